@@ -1,0 +1,1 @@
+"""Models that cross a wire. Pydantic and the standard library only: never an array, never I/O."""

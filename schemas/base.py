@@ -1,0 +1,18 @@
+"""How every wire model behaves: unknown keys refused, values frozen, numbers finite."""
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, StringConstraints
+
+
+class WireModel(BaseModel):
+    """A value that crosses a wire."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+Name = Annotated[
+    str,
+    StringConstraints(pattern=r"^[A-Za-z0-9._-]{1,64}$"),
+]
+"""An identifier that is also safe as part of a file name."""

@@ -1,0 +1,103 @@
+"""The job as its caller sees it: state, progress, times, error, links."""
+
+from datetime import datetime
+from enum import StrEnum
+
+from pydantic import Field
+
+from schemas.base import Name, WireModel
+from schemas.problem import Problem
+
+
+class JobKind(StrEnum):
+    """What was submitted."""
+
+    CONTOURS = "contours"
+    LABELS = "labels"
+
+
+class JobState(StrEnum):
+    """Where a job stands. Terminal states never change."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    CANCELLING = "cancelling"
+    CANCELLED = "cancelled"
+    SUCCEEDED = "succeeded"
+    FAILED = "failed"
+
+    @property
+    def is_terminal(self) -> bool:
+        return self in (JobState.CANCELLED, JobState.SUCCEEDED, JobState.FAILED)
+
+    def may_become(self, other: "JobState") -> bool:
+        return other in _NEXT[self]
+
+
+_NEXT: dict[JobState, frozenset[JobState]] = {
+    JobState.QUEUED: frozenset(
+        {JobState.RUNNING, JobState.CANCELLING, JobState.CANCELLED, JobState.FAILED}
+    ),
+    JobState.RUNNING: frozenset(
+        {JobState.QUEUED, JobState.CANCELLING, JobState.SUCCEEDED, JobState.FAILED}
+    ),
+    JobState.CANCELLING: frozenset({JobState.CANCELLED, JobState.SUCCEEDED, JobState.FAILED}),
+    JobState.CANCELLED: frozenset(),
+    JobState.SUCCEEDED: frozenset(),
+    JobState.FAILED: frozenset(),
+}
+
+
+class Stage(StrEnum):
+    """What a job is doing."""
+
+    WAITING = "waiting"
+    READING = "reading"
+    FITTING = "fitting"
+    MESHING = "meshing"
+    MEASURING = "measuring"
+    WRITING = "writing"
+    DONE = "done"
+
+
+class Progress(WireModel):
+    """How far a job has come."""
+
+    fraction: float = Field(default=0.0, ge=0.0, le=1.0)
+    stage: Stage = Stage.WAITING
+    frame: Name | None = None
+    level: int | None = Field(default=None, ge=0)
+    iteration: int | None = Field(default=None, ge=0, description="Within the level.")
+    loss: float | None = None
+    eta_s: float | None = Field(default=None, ge=0.0)
+
+
+class Links(WireModel):
+    """Where to go from a job."""
+
+    self: str
+    cancel: str
+    report: str
+    artifacts: str
+
+
+class Job(WireModel):
+    """One accepted request."""
+
+    id: str
+    kind: JobKind
+    state: JobState
+    progress: Progress = Field(default_factory=Progress)
+    created_at: datetime
+    started_at: datetime | None = None
+    finished_at: datetime | None = None
+    attempt: int = Field(default=0, ge=0, description="How often a worker has started it.")
+    error: Problem | None = None
+    links: Links
+
+
+class JobPage(WireModel):
+    """Some of the caller's jobs, newest first."""
+
+    jobs: list[Job]
+    next_cursor: str | None = None

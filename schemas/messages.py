@@ -1,0 +1,58 @@
+"""Words between service and worker: what a job folder stores, and what the queue carries."""
+
+from datetime import datetime
+from typing import Any
+
+from pydantic import Field
+
+from schemas.base import WireModel
+from schemas.job import JobKind, JobState
+from schemas.labels import LabelRequest
+from schemas.options import Options
+from schemas.problem import Problem
+from schemas.study import ContourStudy
+from schemas.vocabulary import View
+
+RECONSTRUCT_TASK = "neuralmri.reconstruct"
+RECONSTRUCT_QUEUE = "neuralmri"
+
+
+class ContourRequest(WireModel):
+    """The body of `POST /v1/jobs/contours`."""
+
+    study: ContourStudy
+    options: Options = Field(default_factory=Options)
+
+
+class JobRequest(WireModel):
+    """`request.json` in the job's folder: all that is needed to do, or redo, the job.
+
+    A contour job's body is in `contours`; a label job's in `labels`, and its uploaded maps are
+    files in `inputs/`, named by `files`.
+    """
+
+    job_id: str
+    kind: JobKind
+    created_at: datetime
+    contours: ContourRequest | None = None
+    labels: LabelRequest | None = None
+    files: dict[View, str] = Field(default_factory=dict)
+
+
+class Outcome(WireModel):
+    """`outcome.json` in the job's folder: how the job ended, written once."""
+
+    state: JobState
+    started_at: datetime | None
+    finished_at: datetime
+    attempt: int
+    error: Problem | None = None
+
+
+class ReconstructMessage(WireModel):
+    """What the queue carries: a name, never the data."""
+
+    job_id: str
+
+    def as_kwargs(self) -> dict[str, Any]:
+        return self.model_dump(mode="json")

@@ -1,0 +1,157 @@
+"""Options of a reconstruction, grouped by the stage that owns them.
+
+Every number of the method is here, bounded, with its unit. A preset fills what the request leaves
+out; what a request names wins.
+"""
+
+from enum import StrEnum
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from schemas.base import WireModel
+from schemas.vocabulary import MeshFormat, Structure
+
+
+class Preset(StrEnum):
+    """A named set of options: quick look, everyday default, the published recipe."""
+
+    FAST = "fast"
+    STANDARD = "standard"
+    PAPER = "paper"
+
+
+class Base(StrEnum):
+    """What happens at the valve plane: a closed surface, or one cut open there."""
+
+    CLOSED = "closed"
+    OPEN = "open"
+
+
+class NetworkOptions(WireModel):
+    """The multilayer perceptron f: R3 -> class logits, in normalised coordinates."""
+
+    width: int = Field(default=64, ge=8, le=512)
+    depth: int = Field(default=4, ge=1, le=12, description="Hidden layers.")
+    first_frequency: float = Field(
+        default=5.0, gt=0.0, le=60.0, description="Radians per half-extent of the first sine layer."
+    )
+
+
+class OptimizerOptions(WireModel):
+    """Adam with a cosine-decayed learning rate."""
+
+    learning_rate: float = Field(default=5e-3, gt=0.0, le=0.1)
+    samples_per_step: int = Field(default=2048, ge=64, le=65536)
+
+
+class SamplingOptions(WireModel):
+    """Hierarchical samples: lengths as a fraction of the study's half-extent."""
+
+    first_radius: float = Field(
+        default=1 / 16, gt=0.0, le=0.5, description="Distance to the contour at level 0."
+    )
+    last_radius: float = Field(
+        default=1 / 256, gt=0.0, le=0.5, description="Distance to the contour at the last level."
+    )
+    contour_samples_per_plane: int = Field(default=600, ge=16, le=50000)
+    uniform_samples_per_plane: int = Field(default=600, ge=16, le=50000)
+    hull_samples: int = Field(default=2048, ge=0, le=100000)
+    far_samples: int = Field(default=1500, ge=0, le=100000)
+    hull_inflation: float = Field(
+        default=1.1, ge=1.0, le=2.0, description="Scale of the hull on which all is outside."
+    )
+    levels_in_mix: int = Field(
+        default=3, ge=1, le=8, description="How many of the most recent levels are trained on."
+    )
+
+
+class LossOptions(WireModel):
+    """BCE + hinge_weight * mean(max(0, |gradient| - hinge_slope))."""
+
+    hinge_weight: float = Field(default=1e-4, ge=0.0, le=10.0, description="lambda")
+    hinge_slope: float = Field(
+        default=30.0, gt=0.0, le=1e4, description="alpha, logits per half-extent"
+    )
+    hinge_samples: int = Field(default=256, ge=1, le=65536)
+
+
+class AlignmentOptions(WireModel):
+    """In-plane slice shifts, learned together with the field."""
+
+    first_level: int = Field(default=1, ge=0, le=8, description="Level from which shifts move.")
+    prior_mm: float = Field(
+        default=3.0, gt=0.0, le=20.0, description="Standard deviation of the shift prior."
+    )
+    max_shift_mm: float = Field(default=12.0, gt=0.0, le=50.0)
+
+
+class MeshOptions(WireModel):
+    """Extraction of the isosurface."""
+
+    grid_mm: float = Field(default=1.25, ge=0.2, le=10.0, description="Edge of the finest cell.")
+    projection_steps: int = Field(
+        default=2, ge=0, le=8, description="Newton steps onto the level set."
+    )
+
+
+class Options(WireModel):
+    """Everything a caller may choose about a reconstruction."""
+
+    surfaces: list[Structure] | None = Field(
+        default=None, min_length=1, description="Left out, all that the study supports."
+    )
+    preset: Preset = Preset.STANDARD
+    levels: int = Field(default=6, ge=1, le=8, description="Coarse-to-fine refinement levels.")
+    iterations_per_level: int = Field(default=120, ge=1, le=5000)
+    seed: int = Field(default=0, ge=0, le=2**31 - 1)
+    align_slices: bool = True
+    base: Base = Base.CLOSED
+    formats: list[MeshFormat] = Field(
+        default_factory=lambda: [MeshFormat.STL, MeshFormat.OBJ], min_length=1
+    )
+    target_edge_mm: float | None = Field(
+        default=None, ge=0.5, le=10.0, description="Remesh isotropically to this edge length."
+    )
+    holdout: Literal["none"] = "none"
+    compare_with: list[str] = Field(
+        default_factory=list, max_length=0, description="Reserved: no method is offered yet."
+    )
+    network: NetworkOptions = Field(default_factory=NetworkOptions)
+    optimizer: OptimizerOptions = Field(default_factory=OptimizerOptions)
+    sampling: SamplingOptions = Field(default_factory=SamplingOptions)
+    loss: LossOptions = Field(default_factory=LossOptions)
+    alignment: AlignmentOptions = Field(default_factory=AlignmentOptions)
+    mesh: MeshOptions = Field(default_factory=MeshOptions)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _fill_from_preset(cls, given: Any) -> Any:
+        if not isinstance(given, dict):
+            return given
+        preset = PRESETS.get(given.get("preset", Preset.STANDARD))
+        return _under(preset, given) if preset else given
+
+
+PRESETS: dict[str, dict[str, Any]] = {
+    Preset.FAST: {
+        "levels": 4,
+        "iterations_per_level": 60,
+        "mesh": {"grid_mm": 2.0},
+    },
+    Preset.STANDARD: {},
+    Preset.PAPER: {
+        "align_slices": False,
+        "loss": {"hinge_slope": 100.0},
+        "mesh": {"projection_steps": 0},
+    },
+}
+
+
+def _under(defaults: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+    """`given` with what it leaves out taken from `defaults`, group by group."""
+    merged = {**defaults, **given}
+    for key, value in defaults.items():
+        if isinstance(value, dict) and isinstance(given.get(key), dict):
+            merged[key] = {**value, **given[key]}
+    return merged

@@ -1,0 +1,1 @@
+"""The worker: celery on the outside, the science inside."""

@@ -1,0 +1,1 @@
+"""Files of a finished reconstruction: meshes, report, manifest."""

@@ -1,0 +1,1 @@
+"""Meshes in, numbers out."""

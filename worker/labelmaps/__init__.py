@@ -1,0 +1,1 @@
+"""NIfTI label maps in, contour study out."""

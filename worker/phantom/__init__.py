@@ -1,0 +1,1 @@
+"""Hearts with known truth, and the slicing of any closed surface into contours."""
