@@ -34,14 +34,14 @@ class NetworkOptions(WireModel):
     width: int = Field(default=64, ge=8, le=512)
     depth: int = Field(default=4, ge=1, le=12, description="Hidden layers.")
     first_frequency: float = Field(
-        default=5.0, gt=0.0, le=60.0, description="Radians per half-extent of the first sine layer."
+        default=8.0, gt=0.0, le=60.0, description="Radians per half-extent of the first sine layer."
     )
 
 
 class OptimizerOptions(WireModel):
     """Adam with a cosine-decayed learning rate."""
 
-    learning_rate: float = Field(default=5e-3, gt=0.0, le=0.1)
+    learning_rate: float = Field(default=1e-2, gt=0.0, le=0.1)
     samples_per_step: int = Field(default=2048, ge=64, le=65536)
 
 
@@ -79,9 +79,12 @@ class LossOptions(WireModel):
 class AlignmentOptions(WireModel):
     """In-plane slice shifts, learned together with the field."""
 
-    first_level: int = Field(default=1, ge=0, le=8, description="Level from which shifts move.")
+    first_level: int = Field(default=0, ge=0, le=8, description="Level from which shifts move.")
     prior_mm: float = Field(
         default=3.0, gt=0.0, le=20.0, description="Standard deviation of the shift prior."
+    )
+    learning_rate: float = Field(
+        default=5e-3, gt=0.0, le=0.1, description="Of the shifts, half-extents a step."
     )
     max_shift_mm: float = Field(default=12.0, gt=0.0, le=50.0)
 
@@ -89,7 +92,7 @@ class AlignmentOptions(WireModel):
 class MeshOptions(WireModel):
     """Extraction of the isosurface."""
 
-    grid_mm: float = Field(default=1.25, ge=0.2, le=10.0, description="Edge of the finest cell.")
+    grid_mm: float = Field(default=1.25, ge=0.5, le=10.0, description="Edge of the finest cell.")
     projection_steps: int = Field(
         default=2, ge=0, le=8, description="Newton steps onto the level set."
     )
@@ -99,7 +102,10 @@ class Options(WireModel):
     """Everything a caller may choose about a reconstruction."""
 
     surfaces: list[Structure] | None = Field(
-        default=None, min_length=1, description="Left out, all that the study supports."
+        default=None,
+        min_length=1,
+        max_length=len(Structure),
+        description="Left out, all that the study supports.",
     )
     preset: Preset = Preset.STANDARD
     levels: int = Field(default=6, ge=1, le=8, description="Coarse-to-fine refinement levels.")
@@ -108,7 +114,9 @@ class Options(WireModel):
     align_slices: bool = True
     base: Base = Base.CLOSED
     formats: list[MeshFormat] = Field(
-        default_factory=lambda: [MeshFormat.STL, MeshFormat.OBJ], min_length=1
+        default_factory=lambda: [MeshFormat.STL, MeshFormat.OBJ],
+        min_length=1,
+        max_length=len(MeshFormat),
     )
     target_edge_mm: float | None = Field(
         default=None, ge=0.5, le=10.0, description="Remesh isotropically to this edge length."
@@ -129,7 +137,9 @@ class Options(WireModel):
     def _fill_from_preset(cls, given: Any) -> Any:
         if not isinstance(given, dict):
             return given
-        preset = PRESETS.get(given.get("preset", Preset.STANDARD))
+        name = given.get("preset", Preset.STANDARD)
+        # Anything but a string is left for the field itself to refuse; a list has no hash.
+        preset = PRESETS.get(name) if isinstance(name, str) else None
         return _under(preset, given) if preset else given
 
 

@@ -30,7 +30,6 @@ class ProblemType(StrEnum):
     UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"
-    NOT_CANCELLABLE = "not-cancellable"
     UNSATISFIABLE_RANGE = "unsatisfiable-range"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"

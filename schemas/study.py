@@ -4,13 +4,15 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Annotated, Self
 
-from pydantic import Field, model_validator
+from pydantic import FailFast, Field, model_validator
 
 from schemas.base import Name, WireModel
 from schemas.vocabulary import Axes, Structure, Units, View
 
 Coordinate = Annotated[float, Field(ge=-1e7, le=1e7)]
 Point = tuple[Coordinate, Coordinate, Coordinate]
+
+# Long lists stop at their first fault: a million faults would cost gigabytes to report.
 
 
 class Contour(WireModel):
@@ -22,7 +24,9 @@ class Contour(WireModel):
 
     structure: Structure
     closed: bool = True
-    points: list[Point] = Field(min_length=3, description="Points x, y, z along the outline.")
+    points: Annotated[list[Point], FailFast()] = Field(
+        min_length=3, description="Points x, y, z along the outline."
+    )
 
 
 class Slice(WireModel):
@@ -40,8 +44,8 @@ class Slice(WireModel):
     normal: Point | None = Field(
         default=None, description="The plane's normal, of any length but zero."
     )
-    contours: list[Contour] = Field(default_factory=list)
-    absent: list[Structure] = Field(default_factory=list)
+    contours: Annotated[list[Contour], FailFast()] = Field(default_factory=list)
+    absent: list[Structure] = Field(default_factory=list, max_length=len(Structure))
 
     @model_validator(mode="after")
     def _is_consistent(self) -> Self:
@@ -66,7 +70,7 @@ class Frame(WireModel):
 
     label: Name
     time_ms: float | None = Field(default=None, ge=0.0, le=1e5)
-    slices: list[Slice] = Field(min_length=1)
+    slices: Annotated[list[Slice], FailFast()] = Field(min_length=1)
 
     @model_validator(mode="after")
     def _has_unique_slices(self) -> Self:
@@ -80,7 +84,7 @@ class ContourStudy(WireModel):
     subject_id: Name
     units: Units
     axes: Axes
-    frames: list[Frame] = Field(min_length=1)
+    frames: Annotated[list[Frame], FailFast()] = Field(min_length=1)
 
     @model_validator(mode="after")
     def _has_unique_frames(self) -> Self:

@@ -1,10 +1,13 @@
-"""Names of the arrays that travel between stages, with their axes. Coordinates are named by frame."""
+"""Names of the arrays that travel between stages, with their axes."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 Points = Float[np.ndarray, "n 3"]
 """Points in space; the variable's name says the frame (`points_mm`, `points_unit`)."""
+
+SomePoints = Float[np.ndarray, "_ 3"]
+"""Points where a function speaks of several sets, of different counts."""
 
 PlanePoints = Float[np.ndarray, "n 2"]
 """Points in a slice's own two in-plane axes, mm."""
@@ -23,3 +26,6 @@ Rotation = Float[np.ndarray, "3 3"]
 
 Faces = Int[np.ndarray, "m 3"]
 """Vertex indices of triangles, counter-clockwise seen from outside."""
+
+SomeFaces = Int[np.ndarray, "_ 3"]
+"""Faces where a function speaks of several meshes, of different counts."""

@@ -1,6 +1,6 @@
 """How a long computation is watched and stopped, without knowing by whom."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from schemas.job import Progress
 
@@ -9,6 +9,7 @@ class Cancelled(Exception):  # noqa: N818  not an error: the caller asked for it
     """The observer asked to stop; nothing was produced."""
 
 
+@runtime_checkable
 class Observer(Protocol):
     """Told of progress at least twice a second, asked as often whether to stop."""
 

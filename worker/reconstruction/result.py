@@ -56,10 +56,11 @@ class FrameFit:
 
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
-    """All frames of a subject, in mm and the study's own axes."""
+    """All frames of a subject, in mm and the study's own axes.
+
+    Times are not here: whoever watches takes them from the stages that the observer is told of.
+    """
 
     subject_id: str
     axes: Axes
     frames: tuple[FrameFit, ...]
-    warnings: tuple[str, ...]
-    timings_s: Mapping[str, float]

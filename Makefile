@@ -1,0 +1,65 @@
+# Everything a checkout can do by itself. The first target of the day installs into .venv.
+#
+#   make demo      a phantom heart through the whole service, into ./demo
+#   make test      every test
+#   make check     what CI runs: static checks, then every test
+#   make openapi   write openapi.yaml anew from the code
+#   make clean     remove .venv, caches and ./demo
+#
+# PYTHON=...           the interpreter to build .venv with: 3.11 or 3.12
+# TORCH_INDEX_URL=...  an index of CPU builds of torch, where the default one serves GPU builds
+
+VENV ?= .venv
+TORCH_INDEX_URL ?=
+
+BIN := $(VENV)/bin
+INSTALLED := $(VENV)/.installed
+FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))
+# The first on the PATH that fits; left empty where none does.
+PYTHON ?= $(shell for p in python3 python3.12 python3.11; do \
+	$$p -c '$(FITS)' 2>/dev/null && echo $$p && break; done)
+
+.PHONY: demo test lint check openapi install clean
+.DELETE_ON_ERROR:
+
+demo: install
+	$(BIN)/neuralmri demo
+
+test: install
+	$(BIN)/python -m pytest
+
+lint: install
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python -m service.openapi | diff openapi.yaml - \
+		|| { echo 'openapi.yaml is not what the code says; run: make openapi' >&2; exit 1; }
+
+check: lint test
+
+openapi: install
+	$(BIN)/python -m service.openapi > openapi.yaml
+
+install: $(INSTALLED)
+
+$(INSTALLED): pyproject.toml constraints.txt
+	@'$(or $(PYTHON),false)' -c '$(FITS)' || { \
+		echo 'neuralmri needs Python 3.11 or 3.12, and $(or $(PYTHON),python3) is not;' \
+			'name one with: make PYTHON=/path/to/python3.12' >&2; exit 1; }
+	'$(PYTHON)' -m venv '$(VENV)'
+ifneq ($(TORCH_INDEX_URL),)
+	$(BIN)/python -m pip install --no-deps --constraint constraints.txt \
+		--index-url '$(TORCH_INDEX_URL)' torch
+endif
+	$(BIN)/python -m pip install --constraint constraints.txt --editable '.[test]'
+	@$(BIN)/python -c 'import torch; raise SystemExit(torch.version.cuda is not None)' || { \
+		echo 'torch is not a CPU build (or does not load): gigabytes of GPU libraries that nothing' \
+			'here uses. Run: make clean, then name an index of CPU builds:' \
+			'make TORCH_INDEX_URL=https://download.pytorch.org/whl/cpu' >&2; exit 1; }
+	@touch '$(INSTALLED)'
+
+clean:
+	rm -rf '$(VENV)' build dist demo *.egg-info
+	rm -rf .mypy_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -1,0 +1,191 @@
+"""A client of the HTTP interface. A lost connection is no verdict on a job."""
+
+import hashlib
+import json
+import time
+from collections.abc import Callable
+from contextlib import ExitStack
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import httpx
+from pydantic import ValidationError
+
+from cli.inputs import ContourInput, LabelInput
+from schemas.artifacts import Artifact, Manifest
+from schemas.job import Job, JobState, Progress
+from schemas.problem import Fault, InputError, InternalError, Problem, ProblemType, ServiceError
+from schemas.report import Report
+
+_TIMEOUT = httpx.Timeout(10.0, read=60.0, write=60.0)
+_POLL_EVERY_S = 0.5
+_PATIENCE_S = 300.0
+
+
+class Client:
+    """One server. Every method raises InputError or InternalError, as the server's problem says."""
+
+    def __init__(self, server: str, patience_s: float = _PATIENCE_S) -> None:
+        self.server = server.rstrip("/")
+        self._patience_s = patience_s
+        # Environment proxies are for the outside; a local server is not reached through them.
+        local = httpx.URL(self.server).host in ("127.0.0.1", "localhost", "::1")
+        self._http = httpx.Client(base_url=self.server, timeout=_TIMEOUT, trust_env=not local)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._http.close()
+
+    def submit(self, given: ContourInput | LabelInput) -> Job:
+        """Send a subject. Not repeated on a lost connection: it may have been accepted."""
+        if isinstance(given, ContourInput):
+            body = given.request.model_dump(mode="json", exclude_unset=True)
+            return Job.model_validate(self._call("POST", "/v1/jobs/contours", json=body))
+        request = given.request.model_dump_json(exclude_unset=True)
+        with ExitStack() as opened:
+            parts: dict[str, Any] = {"request": (None, request, "application/json")}
+            for view, path in given.files.items():
+                file = opened.enter_context(path.open("rb"))
+                parts[view.value] = (path.name, file, "application/octet-stream")
+            return Job.model_validate(self._call("POST", "/v1/jobs/labels", files=parts))
+
+    def job(self, job_id: str) -> Job:
+        return Job.model_validate(self._call("GET", f"/v1/jobs/{job_id}"))
+
+    def cancel(self, job_id: str) -> Job:
+        return Job.model_validate(self._call("POST", f"/v1/jobs/{job_id}/cancel"))
+
+    def wait(self, job_id: str, watch: Callable[[Progress], None]) -> Job:
+        """Poll until the job has ended, and return it.
+
+        A server that cannot be reached or fails is asked again for minutes. Raises InternalError
+        when that does not help; the job may go on all the same.
+        """
+        silent_since_s: float | None = None
+        while True:
+            try:
+                job = self.job(job_id)
+            except InternalError as error:
+                silent_since_s = silent_since_s or time.monotonic()
+                if time.monotonic() - silent_since_s > self._patience_s:
+                    raise InternalError(
+                        ProblemType.UNAVAILABLE,
+                        f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
+                        f"look at {self.server}/v1/jobs/{job_id} later",
+                    ) from error
+            else:
+                silent_since_s = None
+                watch(job.progress)
+                if job.state.is_terminal:
+                    return job
+            time.sleep(_POLL_EVERY_S)
+
+    def report(self, job_id: str) -> Report:
+        return Report.model_validate(self._call("GET", f"/v1/jobs/{job_id}/report"))
+
+    def download(self, job_id: str, out: Path) -> Manifest:
+        """Fetch every artifact into `out` and check its length and SHA-256.
+
+        A file takes its place only once it is whole. Raises InternalError for one that is not.
+        """
+        listed = self._call("GET", f"/v1/jobs/{job_id}/artifacts")
+        manifest = Manifest.model_validate(listed)
+        out.mkdir(parents=True, exist_ok=True)
+        for artifact in manifest.artifacts:
+            self._fetch(f"/v1/jobs/{job_id}/artifacts/{artifact.name}", artifact, out)
+        (out / "manifest.json").write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
+        return manifest
+
+    def _fetch(self, path: str, artifact: Artifact, out: Path) -> None:
+        part = out / f".{artifact.name}.part"
+        digest = hashlib.sha256()
+        try:
+            with self._http.stream("GET", path) as response, part.open("wb") as file:
+                if not response.is_success:
+                    response.read()
+                    raise _refusal(response)
+                for chunk in response.iter_bytes():
+                    digest.update(chunk)
+                    file.write(chunk)
+            if digest.hexdigest() != artifact.sha256:
+                raise InternalError(
+                    ProblemType.INTERNAL,
+                    f"{artifact.name} arrived damaged (its SHA-256 is not the listed one); "
+                    "download it again",
+                )
+            part.replace(out / artifact.name)
+        except httpx.TransportError as error:
+            raise self._unreachable(error) from error
+        finally:
+            part.unlink(missing_ok=True)
+
+    def _call(self, method: str, path: str, **content: Any) -> Any:
+        try:
+            response = self._http.request(method, path, **content)
+        except httpx.TransportError as error:
+            raise self._unreachable(error) from error
+        if not response.is_success:
+            raise _refusal(response)
+        return _document(response)
+
+    def _unreachable(self, error: httpx.TransportError) -> InternalError:
+        return InternalError(
+            ProblemType.UNAVAILABLE,
+            f"the server at {self.server} does not answer ({error}); start one with "
+            "`neuralmri serve`, or name another with --server",
+            status=503,
+        )
+
+
+def ended_badly(job: Job) -> ServiceError | None:
+    """The error that a job's end means for who waited for it; None for success."""
+    if job.state is JobState.SUCCEEDED:
+        return None
+    if job.error is not None:
+        return error_of(job.error)
+    return InputError(ProblemType.INVALID_REQUEST, f"job {job.id} was {job.state}; submit it again")
+
+
+def error_of(problem: Problem) -> ServiceError:
+    """The exception that a problem document speaks of."""
+    kind = InputError if problem.fault is Fault.CALLER else InternalError
+    name = problem.type.rpartition(":")[2]
+    known = {type_.value: type_ for type_ in ProblemType}
+    return kind(
+        known.get(name, ProblemType.INTERNAL),
+        problem.detail,
+        pointer=problem.pointer,
+        status=problem.status,
+        errors=problem.errors,
+    )
+
+
+def _document(response: httpx.Response) -> Any:
+    try:
+        return response.json()
+    except json.JSONDecodeError as error:
+        raise InternalError(
+            ProblemType.INTERNAL,
+            f"{response.url} did not answer in JSON; is it a neuralmri server?",
+        ) from error
+
+
+def _refusal(response: httpx.Response) -> ServiceError:
+    try:
+        problem = Problem.model_validate_json(response.content)
+    except ValidationError:
+        # Not our words: a proxy's, or another server's.
+        return InternalError(
+            ProblemType.INTERNAL,
+            f"{response.url} answered {response.status_code} {response.reason_phrase}; "
+            "is it a neuralmri server?",
+        )
+    return error_of(problem)

@@ -1,0 +1,182 @@
+"""What `reconstruct` and `submit` are given: a contour study, or label maps, and options."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, TypeVar
+
+import typer
+
+from schemas.base import WireModel
+from schemas.labels import LabelRequest, LabelScheme, Spacing, TissueLabels
+from schemas.messages import ContourRequest
+from schemas.options import Options
+from schemas.problem import InputError, ProblemType
+from schemas.study import ContourStudy
+from schemas.vocabulary import View
+
+M = TypeVar("M", bound=WireModel)
+
+_FILE = {"exists": True, "dir_okay": False, "readable": True}
+_MAPS = "Label maps"
+
+InputArgument = Annotated[
+    Path | None,
+    typer.Argument(metavar="INPUT", help="Contour study, or request, as JSON.", **_FILE),
+]
+OptionsFile = Annotated[
+    Path | None, typer.Option("--options", help="JSON file of options.", **_FILE)
+]
+LabelSchemeText = Annotated[
+    str | None,
+    typer.Option(
+        "--label-scheme",
+        help=f"{', '.join(LabelScheme)}, or a JSON object of label values by tissue.",
+        rich_help_panel=_MAPS,
+    ),
+]
+SaxFile = Annotated[
+    Path | None, typer.Option("--sax", help="NIfTI of the stack.", rich_help_panel=_MAPS, **_FILE)
+]
+Lax2File = Annotated[
+    Path | None, typer.Option("--lax-2ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
+]
+Lax3File = Annotated[
+    Path | None, typer.Option("--lax-3ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
+]
+Lax4File = Annotated[
+    Path | None, typer.Option("--lax-4ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
+]
+SubjectId = Annotated[
+    str, typer.Option("--subject-id", help="Name in the report.", rich_help_panel=_MAPS)
+]
+FrameLabels = Annotated[
+    str | None,
+    typer.Option("--frame-labels", help="One name a frame, e.g. ED,ES.", rich_help_panel=_MAPS),
+]
+SpacingChoice = Annotated[
+    Spacing,
+    typer.Option("--spacing", help="Whom to believe about the voxel size.", rich_help_panel=_MAPS),
+]
+JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document, for machines.")]
+
+
+@dataclass(frozen=True)
+class ContourInput:
+    """A contour study. pointer: where it stands in its file, for messages."""
+
+    request: ContourRequest
+    pointer: str
+
+    @property
+    def subject_id(self) -> str:
+        return self.request.study.subject_id
+
+
+@dataclass(frozen=True)
+class LabelInput:
+    """Label maps by view, and how to read them."""
+
+    request: LabelRequest
+    files: Mapping[View, Path]
+
+    @property
+    def subject_id(self) -> str:
+        return self.request.subject_id
+
+
+@dataclass(frozen=True)
+class LabelArguments:
+    """The options of the command line that speak of label maps, as given."""
+
+    scheme: str | None
+    sax: Path | None
+    lax_2ch: Path | None
+    lax_3ch: Path | None
+    lax_4ch: Path | None
+    subject_id: str
+    frame_labels: str | None
+    spacing: Spacing
+
+    @property
+    def files(self) -> dict[View, Path]:
+        given = {
+            View.SAX: self.sax,
+            View.LAX_2CH: self.lax_2ch,
+            View.LAX_3CH: self.lax_3ch,
+            View.LAX_4CH: self.lax_4ch,
+        }
+        return {view: path for view, path in given.items() if path is not None}
+
+
+def read_input(
+    study_file: Path | None, maps: LabelArguments, options_file: Path | None
+) -> ContourInput | LabelInput:
+    """What the command line names. Raises InputError, also for both or neither."""
+    options = None
+    if options_file is not None:
+        options = _parsed(options_file.read_bytes(), Options)
+    if study_file is not None and not maps.files:
+        return _contours(study_file.read_bytes(), options)
+    if maps.files and study_file is None:
+        return LabelInput(_label_request(maps, options or Options()), maps.files)
+    raise InputError(
+        ProblemType.INVALID_REQUEST,
+        "give either a contour study as INPUT, or label maps with --label-scheme and --sax "
+        "(and --lax-2ch, --lax-3ch, --lax-4ch)",
+    )
+
+
+def _parsed(raw: bytes, model: type[M]) -> M:
+    """By the parser of the service, with its words and limits."""
+    # Loads numpy, which looks up its thread count then: not before the command has said it.
+    from intake.json_body import parse_json
+    from intake.limits import Limits
+
+    return parse_json(raw, model, Limits())
+
+
+def _contours(raw: bytes, options: Options | None) -> ContourInput:
+    """A study alone, or a whole request; `options` replaces the request's own."""
+    if _is_request(raw):
+        request = _parsed(raw, ContourRequest)
+        pointer = "/study"
+    else:
+        request = ContourRequest(study=_parsed(raw, ContourStudy))
+        pointer = ""
+    if options is not None:
+        request = request.model_copy(update={"options": options})
+    return ContourInput(request, pointer)
+
+
+def _is_request(raw: bytes) -> bool:
+    try:
+        document = json.loads(raw)
+    except ValueError:
+        return False  # the strict parser says what is wrong with it
+    return isinstance(document, dict) and "study" in document
+
+
+def _label_request(maps: LabelArguments, options: Options) -> LabelRequest:
+    if maps.scheme is None:
+        raise InputError(
+            ProblemType.INVALID_REQUEST,
+            "label maps need --label-scheme: it is never guessed, since ACDC and M&Ms swap the "
+            f"values 1 and 3; one of {', '.join(LabelScheme)}, or a JSON object",
+        )
+    # Through JSON, so that a bad value is refused in the words of the service.
+    document = {
+        "subject_id": maps.subject_id,
+        "label_scheme": _scheme(maps.scheme),
+        "frame_labels": maps.frame_labels.split(",") if maps.frame_labels else None,
+        "spacing": maps.spacing.value,
+    }
+    request = _parsed(json.dumps(document).encode(), LabelRequest)
+    return request.model_copy(update={"options": options})
+
+
+def _scheme(text: str) -> object:
+    if not text.lstrip().startswith("{"):
+        return text
+    return _parsed(text.encode(), TissueLabels).model_dump(mode="json")

@@ -1,0 +1,94 @@
+"""`neuralmri reconstruct`: the whole pipeline in this process, no server."""
+
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cli.console import say, say_json
+from cli.inputs import (
+    ContourInput,
+    FrameLabels,
+    InputArgument,
+    JsonFlag,
+    LabelArguments,
+    LabelSchemeText,
+    Lax2File,
+    Lax3File,
+    Lax4File,
+    OptionsFile,
+    SaxFile,
+    SpacingChoice,
+    SubjectId,
+    read_input,
+)
+from cli.progress import progress_bar
+from cli.summary import print_summary
+from schemas.labels import Spacing
+from worker.threads import bind_libraries
+
+
+def reconstruct(
+    out: Annotated[Path, typer.Option(help="Folder for the artifacts.", file_okay=False)],
+    study: InputArgument = None,
+    options: OptionsFile = None,
+    label_scheme: LabelSchemeText = None,
+    sax: SaxFile = None,
+    lax_2ch: Lax2File = None,
+    lax_3ch: Lax3File = None,
+    lax_4ch: Lax4File = None,
+    subject_id: SubjectId = "subject",
+    frame_labels: FrameLabels = None,
+    spacing: SpacingChoice = Spacing.AUTO,
+    threads: Annotated[
+        int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
+    ] = 1,
+    as_json: JsonFlag = False,
+) -> None:
+    """Reconstruct one subject here and now, and write the same artifacts as a job."""
+    maps = LabelArguments(
+        label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
+    )
+    bind_libraries(threads)
+    given = read_input(study, maps, options)
+
+    # The science, and only now: it takes seconds to load.
+    from worker.artifacts.manifest import write_manifest
+    from worker.reading import read_contours, read_labels
+    from worker.subject import run
+
+    if isinstance(given, ContourInput):
+        reading, pointer = read_contours(given.request), given.pointer
+    else:
+        reading, pointer = read_labels(given.files, given.request), "/study"
+    out.mkdir(parents=True, exist_ok=True)
+    # Beside its destination, so that what is there stays whole until the new is complete.
+    with tempfile.TemporaryDirectory(prefix=".neuralmri-", dir=out) as folder:
+        staging = Path(folder)
+        with progress_bar(reading.study.subject_id, quiet=as_json) as bar:
+            finished = run(
+                reading.study,
+                reading.options,
+                staging,
+                threads=threads,
+                input_sha256=reading.input_sha256,
+                warnings=reading.warnings,
+                observer=bar,
+                pointer=pointer,
+            )
+        write_manifest(staging, finished.manifest)
+        for path in staging.iterdir():
+            shutil.move(path, out / path.name)
+    if as_json:
+        say_json(
+            {
+                "out": str(out),
+                "manifest": finished.manifest.model_dump(mode="json"),
+                "report": finished.report.model_dump(mode="json"),
+            }
+        )
+        return
+    print_summary(finished.report)
+    say(f"{len(finished.manifest.artifacts) + 1} files in {out}")

@@ -1,0 +1,78 @@
+"""`neuralmri submit`: the same inputs as `reconstruct`, done by a server."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from cli.console import notice_console, say, say_json
+from cli.inputs import (
+    FrameLabels,
+    InputArgument,
+    JsonFlag,
+    LabelArguments,
+    LabelSchemeText,
+    Lax2File,
+    Lax3File,
+    Lax4File,
+    OptionsFile,
+    SaxFile,
+    SpacingChoice,
+    SubjectId,
+    read_input,
+)
+from schemas.labels import Spacing
+from schemas.problem import InputError, ProblemType
+
+
+def submit(
+    study: InputArgument = None,
+    server: Annotated[
+        str, typer.Option(envvar="NEURALMRI_URL", help="Where the service is.")
+    ] = "http://127.0.0.1:8000",
+    wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="With --wait: folder for the artifacts.", file_okay=False)
+    ] = None,
+    options: OptionsFile = None,
+    label_scheme: LabelSchemeText = None,
+    sax: SaxFile = None,
+    lax_2ch: Lax2File = None,
+    lax_3ch: Lax3File = None,
+    lax_4ch: Lax4File = None,
+    subject_id: SubjectId = "subject",
+    frame_labels: FrameLabels = None,
+    spacing: SpacingChoice = Spacing.AUTO,
+    as_json: JsonFlag = False,
+) -> None:
+    """Send one subject to a server; with --wait follow it and fetch the results."""
+    from cli.client import Client, ended_badly
+    from cli.progress import progress_bar
+    from cli.summary import print_summary
+
+    if out is not None and not wait:
+        raise InputError(ProblemType.INVALID_REQUEST, "--out needs --wait: add it")
+    maps = LabelArguments(
+        label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
+    )
+    given = read_input(study, maps, options)
+    with Client(server) as client:
+        job = client.submit(given)
+        if not as_json:
+            notice_console.print(
+                f"job {job.id} at {client.server}{job.links.self}", markup=False, soft_wrap=True
+            )
+        if wait:
+            with progress_bar(given.subject_id, quiet=as_json) as bar:
+                job = client.wait(job.id, bar.advanced)
+            failure = ended_badly(job)
+            if failure is not None:
+                raise failure
+            if out is not None:
+                client.download(job.id, out)
+        if as_json:
+            say_json(job.model_dump(mode="json", exclude_none=True))
+        elif wait:
+            print_summary(client.report(job.id))
+        else:
+            say(job.id)

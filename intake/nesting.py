@@ -1,0 +1,117 @@
+"""Do the structures of a slice lie in and beside one another as in a heart?"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from intake.overlap import Overlap, overlap
+from intake.placed import PlacedSlice
+from schemas.problem import InputError, ProblemType
+from schemas.vocabulary import Structure
+
+Array = NDArray[np.float64]
+
+S = Structure
+
+INSIDE = (
+    (S.LV_ENDO, S.LV_EPI),
+    (S.RV_ENDO, S.RV_EPI),
+    (S.LV_ENDO, S.EPI),
+    (S.RV_ENDO, S.EPI),
+    (S.LV_EPI, S.EPI),
+    (S.RV_EPI, S.EPI),
+)
+"""Each first structure lies within the second."""
+
+APART = (
+    (S.LV_ENDO, S.RV_ENDO),
+    (S.LV_ENDO, S.RV_EPI),
+    (S.LV_EPI, S.RV_ENDO),
+    (S.LV_EPI, S.RV_EPI),
+)
+"""Ventricles share nothing: the septum belongs to the left one."""
+
+TOLERATED_SHARE = 0.10
+"""Of the smaller structure's area: what two readings of one border differ by."""
+
+_SHARE_OF_OPEN = 0.50
+"""The same when a contour is open: its closing chord is no border."""
+
+_NOTED_SHARE = 0.02
+
+
+def check_nesting(slice_: PlacedSlice, extent_mm: float) -> list[str]:
+    """Warnings about small crossings of the structures on a slice.
+
+    Refused is a crossing of more than a tenth of the smaller structure (half, where a contour is
+    open) that also reaches more than 0.5 % of the study's extent deep: slivers between two borders
+    that touch are no fault.
+
+    Raises:
+        InputError: `CROSSING_STRUCTURES` at the first contour of the structure that is misplaced.
+    """
+    here = set(slice_.structures)
+    warnings = []
+    for inner, outer in INSIDE:
+        if {inner, outer} <= here:
+            shared = overlap(slice_.rings(inner), slice_.rings(outer))
+            misplaced = Overlap(shared.area_mm2, shared.outside_mm2)
+            warnings += _judge(slice_, inner, outer, misplaced, "outside", extent_mm)
+    for a, b in APART:
+        if {a, b} <= here and _boxes_meet(slice_, a, b):
+            ab = overlap(slice_.rings(a), slice_.rings(b))
+            ba = overlap(slice_.rings(b), slice_.rings(a))
+            if ab.area_mm2 < ba.area_mm2:
+                warnings += _judge(slice_, a, b, ab, "within", extent_mm)
+            else:
+                warnings += _judge(slice_, b, a, ba, "within", extent_mm)
+    return warnings
+
+
+def _judge(
+    slice_: PlacedSlice,
+    one: Structure,
+    other: Structure,
+    bad: Overlap,
+    where: str,
+    extent_mm: float,
+) -> list[str]:
+    share = bad.share
+    if share <= _NOTED_SHARE:
+        return []
+    said = f"Slice {slice_.id}: {100 * share:.0f} % of {one} lies {where} {other}"
+    contours = slice_.of(one) + slice_.of(other)
+    closed = all(c.closed for c in contours)
+    allowed = TOLERATED_SHARE if closed else _SHARE_OF_OPEN
+    # Area over outline: the mean depth of a crossing along the whole border.
+    outline_mm = sum(_length(c.ring) for c in slice_.of(one))
+    if share > allowed and bad.shared_mm2 / outline_mm > 0.005 * extent_mm:
+        raise InputError(
+            ProblemType.CROSSING_STRUCTURES,
+            f"{said}; {100 * allowed:.0f} % is tolerated"
+            f"{'' if closed else ' where an open contour is closed by a chord'}. "
+            f"{_remedy(one, other, where)}",
+            pointer=slice_.of(one)[0].pointer,
+        )
+    return [f"{said}; the surfaces will not cross, so they leave one of the contours there."]
+
+
+def _remedy(one: Structure, other: Structure, where: str) -> str:
+    if where == "outside":
+        return (
+            f"Remedy: check that {one} and {other} are not swapped and are of the same instant; "
+            f"{other} is the filled outline, without the cavity as a hole."
+        )
+    return (
+        f"Remedy: correct the contours so that {one} and {other} are side by side; "
+        "the septum belongs to the left ventricle."
+    )
+
+
+def _length(ring: Array) -> float:
+    return float(np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).sum())
+
+
+def _boxes_meet(slice_: PlacedSlice, a: Structure, b: Structure) -> bool:
+    one, other = np.concatenate(slice_.rings(a)), np.concatenate(slice_.rings(b))
+    meet = (one.min(axis=0) <= other.max(axis=0)) & (other.min(axis=0) <= one.max(axis=0))
+    return bool(meet.all())

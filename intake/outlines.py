@@ -1,0 +1,79 @@
+"""Does each contour enclose an area?"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from intake.overlap import area_mm2
+from intake.placed import PlacedContour, PlacedSlice
+from intake.planes import COLLINEAR
+from intake.simplicity import check_simple, shoelace_mm2
+from schemas.problem import InputError, ProblemType
+
+Array = NDArray[np.float64]
+
+
+def check_outlines(slice_: PlacedSlice, extent_mm: float) -> list[str]:
+    """Warnings about the contours of a slice, each judged alone, in a study of this extent.
+
+    Raises:
+        InputError: `DEGENERATE_CONTOUR`, `UNCLOSED_CONTOUR` or `SELF_CROSSING_CONTOUR`.
+    """
+    warnings = []
+    for contour in slice_.contours:
+        ring, index = _distinct(contour)
+        _check_extent(slice_, contour, ring)
+        _check_area(slice_, contour, ring)
+        if contour.closed:
+            _check_closed(slice_, contour, ring)
+        warnings += check_simple(slice_, contour, ring, index, extent_mm)
+    return warnings
+
+
+def _distinct(contour: PlacedContour) -> tuple[Array, NDArray[np.intp]]:
+    """The ring without repeats of a point by its neighbour, and each point's index as sent."""
+    ring = contour.ring
+    near = 1e-9 * (np.ptp(ring, axis=0).max() + np.abs(ring).max())
+    moved = np.abs(np.diff(ring, axis=0)).max(axis=1) > near
+    index = np.concatenate([[0], 1 + np.flatnonzero(moved)])
+    if contour.closed and len(index) > 1 and np.abs(ring[index[-1]] - ring[0]).max() <= near:
+        index = index[:-1]
+    return ring[index], index
+
+
+def _check_extent(slice_: PlacedSlice, contour: PlacedContour, ring: Array) -> None:
+    if len(ring) < 3:
+        what = f"has {len(ring)} distinct points" if len(ring) > 1 else "is a single point"
+        _refuse_degenerate(slice_, contour, what)
+    widths = np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False)
+    if widths[1] <= COLLINEAR * widths[0]:
+        _refuse_degenerate(slice_, contour, "lies on one line")
+
+
+def _refuse_degenerate(slice_: PlacedSlice, contour: PlacedContour, what: str) -> None:
+    raise InputError(
+        ProblemType.DEGENERATE_CONTOUR,
+        f"Slice {slice_.id}: a {contour.structure} contour {what} and encloses no area. "
+        "Remedy: send the whole outline, or leave the contour out.",
+        pointer=contour.pointer,
+    )
+
+
+def _check_area(slice_: PlacedSlice, contour: PlacedContour, ring: Array) -> None:
+    # Either area alone can vanish: the even-odd one when wound twice, the other in an eight.
+    area = max(area_mm2([ring]), abs(shoelace_mm2(ring)))
+    if area <= 1e-4 * float((np.ptp(ring, axis=0) ** 2).sum()):
+        _refuse_degenerate(slice_, contour, "goes there and back along the same line")
+
+
+def _check_closed(slice_: PlacedSlice, contour: PlacedContour, ring: Array) -> None:
+    """A gap is suspect only beside the longest other step: hand-placed points are uneven."""
+    steps = np.linalg.norm(np.diff(ring, axis=0), axis=1)
+    gap = float(np.linalg.norm(ring[0] - ring[-1]))
+    if gap > 3.0 * steps.max() and gap > 0.05 * (steps.sum() + gap):
+        raise InputError(
+            ProblemType.UNCLOSED_CONTOUR,
+            f"Slice {slice_.id}: a {contour.structure} contour is said to be closed, but its ends "
+            f"are {gap:.3g} mm apart and its points at most {steps.max():.3g} mm. Remedy: set "
+            "`closed` to false if it ends at a valve or is cut off, or send the missing points.",
+            pointer=contour.pointer,
+        )

@@ -1,0 +1,63 @@
+"""The queue as its producer sees it: put a message in, and look at what waits there."""
+
+import json
+from typing import cast
+
+from celery import Celery
+from kombu.exceptions import KombuError, OperationalError
+from redis import Redis
+from redis.exceptions import RedisError
+
+from jobs.celery_settings import celery_settings
+from jobs.settings import JobSettings
+from schemas.messages import RECONSTRUCT_QUEUE, RECONSTRUCT_TASK, ReconstructMessage
+from schemas.problem import InternalError, ProblemType
+
+
+class JobQueue:
+    """A Celery producer that knows the task by name only, so the science is never imported."""
+
+    def __init__(self, settings: JobSettings, redis: Redis) -> None:
+        self._redis = redis
+        self._app = Celery("neuralmri-producer", set_as_current=False)
+        shared = celery_settings(settings)
+        self._app.conf.update(shared)
+        # A worker waits for Redis to come back; whoever sends a request does not.
+        self._app.conf.broker_transport_options = {
+            **shared["broker_transport_options"],
+            "max_retries": 1,
+            "interval_start": 0,
+            "interval_step": 0.1,
+            "interval_max": 0.1,
+            "connect_retries_timeout": settings.redis_timeout_s,
+        }
+
+    def enqueue(self, message: ReconstructMessage) -> None:
+        """Send a message. Raises InternalError (unavailable, 503) where Redis does not take it.
+
+        The message's id is the job's, so that `waiting` can tell whose messages are there.
+        """
+        try:
+            self._app.send_task(
+                RECONSTRUCT_TASK,
+                kwargs=message.as_kwargs(),
+                task_id=message.job_id,
+                queue=RECONSTRUCT_QUEUE,
+                retry=False,
+                ignore_result=True,
+            )
+        except (OperationalError, KombuError, RedisError, OSError) as error:
+            raise InternalError(
+                ProblemType.UNAVAILABLE,
+                "the queue cannot be reached; nothing was accepted, try again in a while",
+                status=503,
+            ) from error
+
+    def waiting(self) -> set[str]:
+        """Ids of the jobs that have a message no worker has fetched yet."""
+        messages = cast(list[str], self._redis.lrange(RECONSTRUCT_QUEUE, 0, -1))
+        return {json.loads(message)["headers"]["id"] for message in messages}
+
+    def depth(self) -> int:
+        """How many messages no worker has fetched yet."""
+        return self._redis.llen(RECONSTRUCT_QUEUE)

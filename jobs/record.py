@@ -1,0 +1,130 @@
+"""What Redis knows about one job, and how that is spelled in a Redis hash."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from datetime import UTC, datetime
+
+from jobs.errors import IllegalTransition
+from schemas.job import Job, JobKind, JobState, Links, Progress, Stage
+from schemas.messages import JobRequest, Outcome
+from schemas.problem import Problem
+
+
+@dataclass(frozen=True)
+class Record:
+    """One job's live state.
+
+    token: the newest fence granted, 0 before the first.
+    free_from_us: from this instant of the Redis clock (Unix time, microseconds) no worker holds the
+        job. In the future while a lease lives; in the past it says how long the job has lain.
+    """
+
+    job_id: str
+    owner: str
+    kind: JobKind
+    state: JobState
+    created_at: datetime
+    started_at: datetime | None = None
+    finished_at: datetime | None = None
+    attempt: int = 0
+    progress: Progress = field(default_factory=Progress)
+    error: Problem | None = None
+    token: int = 0
+    free_from_us: int = 0
+
+    @classmethod
+    def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
+        return cls(
+            job_id=request.job_id,
+            owner=owner,
+            kind=request.kind,
+            state=JobState.QUEUED,
+            created_at=request.created_at,
+            free_from_us=now_us,
+        )
+
+    @classmethod
+    def of_fields(cls, job_id: str, fields: Mapping[str, str]) -> "Record":
+        return cls(
+            job_id=job_id,
+            owner=fields["owner"],
+            kind=JobKind(fields["kind"]),
+            state=JobState(fields["state"]),
+            created_at=datetime.fromisoformat(fields["created_at"]),
+            started_at=_instant(fields["started_at"]),
+            finished_at=_instant(fields["finished_at"]),
+            attempt=int(fields["attempt"]),
+            progress=Progress.model_validate_json(fields["progress"]),
+            error=Problem.model_validate_json(fields["error"]) if fields["error"] else None,
+            token=int(fields["token"]),
+            free_from_us=int(fields["free_from_us"]),
+        )
+
+    def fields(self) -> dict[str, str]:
+        return {
+            "owner": self.owner,
+            "kind": self.kind.value,
+            "state": self.state.value,
+            "created_at": self.created_at.isoformat(),
+            "started_at": self.started_at.isoformat() if self.started_at else "",
+            "finished_at": self.finished_at.isoformat() if self.finished_at else "",
+            "attempt": str(self.attempt),
+            "progress": self.progress.model_dump_json(),
+            "error": self.error.model_dump_json() if self.error else "",
+            "token": str(self.token),
+            "free_from_us": str(self.free_from_us),
+        }
+
+    def is_held(self, now_us: int) -> bool:
+        return not self.state.is_terminal and self.free_from_us > now_us
+
+    def to(self, state: JobState) -> "Record":
+        """This record in another state. Raises IllegalTransition."""
+        if state is not self.state and not self.state.may_become(state):
+            raise IllegalTransition(f"a {self.state} job cannot become {state}")
+        return replace(self, state=state)
+
+    def ended(self, outcome: Outcome) -> "Record":
+        """This record with the outcome's truth, whatever it held: the folder is right."""
+        progress = self.progress
+        if outcome.state is JobState.SUCCEEDED:
+            progress = Progress(fraction=1.0, stage=Stage.DONE)
+        return replace(
+            self,
+            state=outcome.state,
+            started_at=outcome.started_at,
+            finished_at=outcome.finished_at,
+            attempt=outcome.attempt,
+            error=outcome.error,
+            progress=progress,
+        )
+
+    def job(self) -> Job:
+        """The job as its caller sees it."""
+        here = f"/v1/jobs/{self.job_id}"
+        return Job(
+            id=self.job_id,
+            kind=self.kind,
+            state=self.state,
+            progress=self.progress,
+            created_at=self.created_at,
+            started_at=self.started_at,
+            finished_at=self.finished_at,
+            attempt=self.attempt,
+            error=self.error,
+            links=Links(
+                self=here,
+                cancel=f"{here}/cancel",
+                report=f"{here}/report",
+                artifacts=f"{here}/artifacts",
+            ),
+        )
+
+
+def instant(now_us: int) -> datetime:
+    """A Redis clock reading as a time."""
+    return datetime.fromtimestamp(now_us / 1e6, tz=UTC)
+
+
+def _instant(text: str) -> datetime | None:
+    return datetime.fromisoformat(text) if text else None

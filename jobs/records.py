@@ -1,0 +1,235 @@
+"""The live state of jobs in Redis: one method a transition, doing all of its effects at once.
+
+A transition watches the job's hash, decides in Python by `JobState.may_become`, and writes hash and
+indices in one MULTI; where another client was faster it decides again. Times are Redis's own, so
+hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow even when
+Redis has lost everything in between.
+
+Every method raises redis.exceptions.RedisError when Redis does not answer in time.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, cast
+
+from redis import Redis
+from redis.client import Pipeline
+from redis.exceptions import WatchError
+
+from jobs import transitions
+from jobs.claim import Claim, Refusal
+from jobs.errors import StaleToken
+from jobs.index import ANY_OWNER, index_key, move_in_index
+from jobs.record import Record
+from schemas.job import Job, JobPage, JobState, Progress
+from schemas.messages import JobRequest, Outcome
+
+ANONYMOUS = "anonymous"
+
+_WORKERS = "neuralmri:workers"
+
+_Step = Callable[[Record | None, int], Record | None]
+
+
+class JobRecords:
+    """Jobs by id, in order, by owner and state; and the workers that are alive."""
+
+    def __init__(self, redis: Redis) -> None:
+        self._redis = redis
+
+    def accepted(self, request: JobRequest, owner: str = ANONYMOUS) -> None:
+        """A new queued job. Nothing happens where it is known already."""
+        self._step(
+            request.job_id,
+            lambda record, now_us: record or Record.of_request(request, owner, now_us),
+        )
+
+    def get(self, job_id: str) -> Job | None:
+        record = _read(self._redis, job_id)
+        return record.job() if record else None
+
+    def page(
+        self, owner: str, state: JobState | None = None, limit: int = 50, cursor: str | None = None
+    ) -> JobPage:
+        """Up to `limit` jobs, newest first, those after job id `cursor`.
+
+        A job that is there throughout is seen exactly once over all pages, whatever comes and goes
+        meanwhile; a page may be short where jobs went while it was read.
+        """
+        newest = f"({cursor}" if cursor else "+"
+        key = index_key(owner, state)
+        ids = cast(list[str], self._redis.zrevrangebylex(key, newest, "-", start=0, num=limit + 1))
+        with self._redis.pipeline(transaction=False) as pipe:
+            for job_id in ids[:limit]:
+                pipe.hgetall(_key(job_id))
+            found = zip(ids[:limit], pipe.execute(), strict=True)
+        jobs = [Record.of_fields(job_id, fields).job() for job_id, fields in found if fields]
+        return JobPage(
+            jobs=[job for job in jobs if state in (None, job.state)],
+            next_cursor=ids[limit - 1] if len(ids) > limit else None,
+        )
+
+    def ids(self) -> list[str]:
+        """Every known job, oldest first."""
+        return cast(list[str], self._redis.zrange(index_key(ANY_OWNER), 0, -1))
+
+    def counts(self) -> dict[JobState, int]:
+        """How many jobs stand in each state."""
+        with self._redis.pipeline(transaction=False) as pipe:
+            for state in JobState:
+                pipe.zcard(index_key(ANY_OWNER, state))
+            return dict(zip(JobState, pipe.execute(), strict=True))
+
+    def claim(self, job_id: str, lease_s: float, max_attempts: int) -> Claim:
+        """Ask for a job: a fencing token and a lease, or the reason why not.
+
+        A cancelling job whose worker died is granted, so that its taker can say it is cancelled.
+        """
+        why: Refusal | None = None
+
+        def step(record: Record | None, now_us: int) -> Record | None:
+            nonlocal why
+            why = transitions.refusal(record, now_us, max_attempts)
+            if record is None or why in (Refusal.ENDED, Refusal.HELD):
+                return record
+            held = transitions.leased(record, now_us, lease_s)
+            return held if why is Refusal.EXHAUSTED else transitions.started(held, now_us)
+
+        record = self._step(job_id, step)
+        return Claim(
+            token=record.token if record and why in (None, Refusal.EXHAUSTED) else None,
+            attempt=record.attempt if record else 0,
+            started_at=record.started_at if record else None,
+            refusal=why,
+        )
+
+    def renew(self, job_id: str, token: int, lease_s: float) -> bool:
+        """Lengthen the lease to `lease_s` from now. False: the token is stale, stop working."""
+        try:
+            self._step(job_id, lambda r, now_us: transitions.renewed(r, token, now_us, lease_s))
+        except StaleToken:
+            return False
+        return True
+
+    def advanced(self, job_id: str, token: int, progress: Progress) -> None:
+        """Say how far the job has come. Raises StaleToken."""
+        self._step(job_id, lambda r, _: transitions.advanced(r, token, progress))
+
+    def is_cancel_requested(self, job_id: str) -> bool:
+        """Whether the job is being cancelled. False for an unknown one: `renew` says that."""
+        state = self._redis.hget(_key(job_id), "state")
+        return state in (JobState.CANCELLING.value, JobState.CANCELLED.value)
+
+    def request_cancel(self, job_id: str) -> JobState | None:
+        """Ask the job to stop, and return where it stands then; None for an unknown job.
+
+        Without a live lease it is cancelled at once, and any token out there becomes stale; with
+        one it is cancelling until its worker says it stopped. Terminal states stay.
+        """
+        record = self._step(job_id, lambda r, now_us: r and transitions.cancel_requested(r, now_us))
+        return record.state if record else None
+
+    def finished(self, job_id: str, token: int, outcome: Outcome) -> None:
+        """Record how the job ended. Saying it twice with one token is saying it once.
+
+        Raises StaleToken, or IllegalTransition.
+        """
+        self._step(job_id, lambda r, _: transitions.finished(r, token, outcome))
+
+    def released(self, job_id: str, token: int) -> None:
+        """Hand the job back unfinished, as a worker does that is told to shut down.
+
+        It is queued again but not enqueued: that is the worker's to do, or the reconciler does it.
+        A cancelling job stays so, and the reconciler ends it. Raises StaleToken.
+        """
+        self._step(job_id, lambda r, now_us: transitions.released(r, token, now_us))
+
+    def reclaimed(self, job_id: str, after_s: float) -> bool:
+        """Take back a job that no worker has held for `after_s`: it is queued, its tokens stale.
+
+        True for one caller each `after_s`, who must enqueue it. Never for a cancelling job.
+        """
+        lost = False
+
+        def step(record: Record | None, now_us: int) -> Record | None:
+            nonlocal lost
+            lost = transitions.is_lost(record, now_us, after_s)
+            return transitions.reclaimed(record, now_us) if record and lost else record
+
+        self._step(job_id, step)
+        return lost
+
+    def restore(self, request: JobRequest, outcome: Outcome | None, owner: str = ANONYMOUS) -> bool:
+        """Make the record agree with the folder. True where there was none: enqueue it then.
+
+        An outcome overrules whatever the record says.
+        """
+        was_unknown = False
+
+        def step(record: Record | None, now_us: int) -> Record:
+            nonlocal was_unknown
+            was_unknown = record is None
+            record = record or Record.of_request(request, owner, now_us)
+            if outcome is None or record.state is outcome.state:
+                return record
+            return replace(record.ended(outcome), token=record.token + 1)
+
+        self._step(request.job_id, step)
+        return was_unknown
+
+    def forget(self, job_id: str) -> None:
+        """Remove every trace of the job. Nothing happens where there is none."""
+        self._step(job_id, lambda _record, _now_us: None)
+
+    def heartbeat(self, worker_name: str) -> None:
+        """Say that a worker is alive and taking jobs."""
+        self._redis.zadd(_WORKERS, {worker_name: self._now_us() / 1e6})
+
+    def live_workers(self, within_s: float = 30.0) -> list[str]:
+        """Names of the workers whose last heartbeat is no older than `within_s`."""
+        oldest = self._now_us() / 1e6 - within_s
+        self._redis.zremrangebyscore(_WORKERS, "-inf", oldest - 3600.0)
+        return sorted(cast(list[str], self._redis.zrangebyscore(_WORKERS, oldest, "+inf")))
+
+    def _now_us(self) -> int:
+        return _now_us(self._redis)
+
+    def _step(self, job_id: str, step: _Step) -> Record | None:
+        """Take a step on a job's record and return what it is then; None is no record.
+
+        `step` sees the record and the Redis clock. It is asked again where another client changed
+        the record meanwhile.
+        """
+        key = _key(job_id)
+        with self._redis.pipeline() as pipe:
+            while True:
+                cast(Any, pipe).watch(key)  # redis-py gives it no types
+                before = _read(pipe, job_id)
+                after = step(before, _now_us(pipe))
+                if after == before:
+                    return after
+                pipe.multi()
+                move_in_index(pipe, before, after)
+                if after is None:
+                    pipe.delete(key)
+                else:
+                    pipe.hset(key, mapping=cast(Any, after.fields()))
+                try:
+                    pipe.execute()
+                except WatchError:
+                    continue
+                return after
+
+
+def _key(job_id: str) -> str:
+    return f"neuralmri:job:{job_id}"
+
+
+def _read(redis: Redis | Pipeline, job_id: str) -> Record | None:
+    fields = cast(dict[str, str], redis.hgetall(_key(job_id)))
+    return Record.of_fields(job_id, fields) if fields else None
+
+
+def _now_us(redis: Redis | Pipeline) -> int:
+    seconds, microseconds = redis.time()
+    return seconds * 1_000_000 + microseconds

@@ -1,0 +1,86 @@
+"""What every route works with: the jobs, found by the id in a URL."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from jobs.errors import JobGone
+from jobs.folder import JobFolder
+from jobs.queue import JobQueue
+from jobs.records import ANONYMOUS, JobRecords
+from jobs.redis_client import make_redis
+from jobs.store import JobStore, is_job_id
+from schemas.job import Job
+from schemas.problem import InputError, ProblemType
+from service.settings import ServiceSettings
+
+
+@dataclass(frozen=True)
+class JobAccess:
+    """Folders, records and queue of one service process."""
+
+    settings: ServiceSettings
+    store: JobStore
+    records: JobRecords
+    queue: JobQueue
+
+    @classmethod
+    def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
+        redis = make_redis(settings.redis_url, settings.redis_timeout_s)
+        return cls(
+            settings=settings,
+            store=JobStore(settings.jobs_dir),
+            records=JobRecords(redis),
+            queue=JobQueue(settings, redis),
+        )
+
+    def folder(self, job_id: str) -> JobFolder:
+        """The folder of a job that exists. Raises InputError (not found, 404)."""
+        if is_job_id(job_id):
+            folder = self.store.folder(job_id)
+            if folder.exists():
+                return folder
+        raise no_such_job()
+
+    def job(self, job_id: str) -> Job:
+        """The job as it stands. One that Redis has lost is read from its folder.
+
+        Raises InputError (not found, 404).
+        """
+        folder = self.folder(job_id)
+        job = self.records.get(job_id)
+        if job is None:
+            try:
+                self.records.restore(folder.request(), folder.outcome())
+            except JobGone as error:
+                raise no_such_job() from error
+            job = self.records.get(job_id)
+        if job is None:
+            raise no_such_job()
+        return job
+
+
+def no_such_job() -> InputError:
+    """The answer to an id that names no job, malformed ones included."""
+    return InputError(
+        ProblemType.NOT_FOUND,
+        "there is no such job: it never was, or it was erased. Remedy: take the id from the answer "
+        "to your submission, or list your jobs at /v1/jobs.",
+        status=404,
+    )
+
+
+def access_of(request: Request) -> JobAccess:
+    """The process's jobs."""
+    access: JobAccess = request.app.state.access
+    return access
+
+
+def owner_of() -> str:
+    """Who is calling. There is no authentication yet: everybody is one caller."""
+    return ANONYMOUS
+
+
+Access = Annotated[JobAccess, Depends(access_of)]
+Owner = Annotated[str, Depends(owner_of)]

@@ -1,0 +1,100 @@
+"""What the API description says about problems: a response a status, with an example."""
+
+from typing import Any
+
+from schemas.problem import InputError, InternalError, ProblemType, ServiceError
+from service.problems import MEDIA_TYPE
+
+_EXAMPLES: dict[int, tuple[str, ServiceError]] = {
+    400: (
+        "The body is not what its media type says.",
+        InputError(
+            ProblemType.MALFORMED_JSON,
+            "The body is not valid JSON: Expecting value at line 1 column 10.",
+            status=400,
+        ),
+    ),
+    404: (
+        "There is no such job, or no such artifact of it.",
+        InputError(ProblemType.NOT_FOUND, "there is no such job.", status=404),
+    ),
+    409: (
+        "The job has no results: not yet (with Retry-After), or never.",
+        InputError(
+            ProblemType.NOT_READY,
+            "the job is not finished. Remedy: poll it and come back when it has succeeded.",
+            status=409,
+        ),
+    ),
+    413: (
+        "The request is too large.",
+        InputError(
+            ProblemType.TOO_LARGE,
+            "the body has more than 33554432 bytes. Remedy: send fewer frames a job.",
+            status=413,
+        ),
+    ),
+    415: (
+        "The body has another media type than the operation takes.",
+        InputError(
+            ProblemType.UNSUPPORTED_MEDIA_TYPE,
+            "send the body as application/json.",
+            status=415,
+        ),
+    ),
+    416: (
+        "The artifact has no such bytes.",
+        InputError(ProblemType.UNSATISFIABLE_RANGE, "the file has no such bytes.", status=416),
+    ),
+    422: (
+        "The request cannot be done as it stands; `pointer` says where.",
+        InputError(
+            ProblemType.IMPLAUSIBLE_SIZE,
+            "The contours span 8.2e+04 mm; a heart spans 2 to 400 mm. Remedy: the coordinates look "
+            'like micrometres: set units to "um".',
+            pointer="/study/units",
+        ),
+    ),
+    503: (
+        "Nothing was accepted or changed; try again after Retry-After.",
+        InternalError(
+            ProblemType.UNAVAILABLE,
+            "the queue cannot be reached; nothing was accepted, send the request again in a while",
+            status=503,
+        ),
+    ),
+    507: (
+        "The store is full; nothing was accepted.",
+        InternalError(ProblemType.STORAGE_FULL, "the store is full.", status=507),
+    ),
+}
+
+_RETRY_AFTER = {
+    "Retry-After": {"description": "Seconds to wait.", "schema": {"type": "integer", "minimum": 1}}
+}
+
+
+def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The `responses` of an operation that can fail in these ways; every other is `default`."""
+    described: dict[int | str, dict[str, Any]] = {
+        status: _response(*_EXAMPLES[status], retry=status in (409, 503, 507))
+        for status in statuses
+    }
+    internal = InternalError(ProblemType.INTERNAL, "the service failed. Remedy: try again later.")
+    described["default"] = _response("Any other problem.", internal, retry=False)
+    return described
+
+
+def _response(description: str, example: ServiceError, *, retry: bool) -> dict[str, Any]:
+    described: dict[str, Any] = {
+        "description": description,
+        "content": {
+            MEDIA_TYPE: {
+                "schema": {"$ref": "#/components/schemas/Problem"},
+                "example": example.problem("/v1/jobs").model_dump(mode="json", exclude_none=True),
+            }
+        },
+    }
+    if retry:
+        described["headers"] = _RETRY_AFTER
+    return described

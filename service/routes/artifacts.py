@@ -1,0 +1,134 @@
+"""The results of a job that succeeded. They are read from its folder: Redis is not asked."""
+
+import hashlib
+from pathlib import Path
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Response
+from starlette.responses import FileResponse
+
+from jobs.folder import MANIFEST_NAME, JobFolder
+from schemas.artifacts import Manifest
+from schemas.job import JobState
+from schemas.problem import InputError, InternalError, ProblemType
+from schemas.report import Report
+from service.access import Access, JobAccess, no_such_job
+from service.conditional import is_unmodified
+from service.documented import problems
+from service.problems import NotReadyError
+
+router = APIRouter(tags=["results"])
+
+# A report may run its own script and style, but reaches nothing: no network, no cookies, no frames.
+_SANDBOX = (
+    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data:"
+)
+
+_FILE: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "The whole file.",
+        "headers": {
+            "ETag": {"description": "The sha256, quoted.", "schema": {"type": "string"}},
+            "Content-Disposition": {"schema": {"type": "string"}},
+        },
+        "content": {"application/octet-stream": {}},
+    },
+    206: {"description": "The bytes that Range asked for."},
+    304: {"description": "If-None-Match names the file as it is."},
+}
+
+IfNoneMatch = Annotated[str | None, Header()]
+
+
+@router.get("/v1/jobs/{job_id}/artifacts", responses=problems(404, 409))
+def list_artifacts(job_id: str, access: Access) -> Manifest:
+    """Every artifact with its bytes and sha256. Each is at `artifacts/{name}`."""
+    return _published(access, access.folder(job_id))
+
+
+@router.get(
+    "/v1/jobs/{job_id}/report",
+    response_model=Report,
+    responses=problems(404, 409),
+)
+def get_report(job_id: str, access: Access, if_none_match: IfNoneMatch = None) -> Response:
+    """`report.json`: volumes, residuals, slice shifts, timings, provenance."""
+    return _file(access, job_id, "report.json", if_none_match)
+
+
+@router.head("/v1/jobs/{job_id}/artifacts/{name}", include_in_schema=False)
+@router.get(
+    "/v1/jobs/{job_id}/artifacts/{name}",
+    response_class=FileResponse,
+    responses={**_FILE, **problems(404, 409, 416)},
+)
+def get_artifact(
+    job_id: str, name: str, access: Access, if_none_match: IfNoneMatch = None
+) -> Response:
+    """One file, whole or in ranges."""
+    return _file(access, job_id, name, if_none_match)
+
+
+def _published(access: JobAccess, folder: JobFolder) -> Manifest:
+    """The manifest of a job that succeeded. Raises NotReadyError, InternalError."""
+    outcome = folder.outcome()
+    if outcome is None:
+        raise NotReadyError(
+            "the job is not finished. Remedy: poll it and come back when it has succeeded.",
+            access.settings.poll_after_s,
+        )
+    if outcome.state is not JobState.SUCCEEDED:
+        raise NotReadyError(
+            f"the job has {outcome.state} and will have no results. Remedy: see its `error`, and "
+            "submit it anew.",
+            None,
+        )
+    manifest = folder.manifest()
+    if manifest is None:
+        if not folder.exists():
+            raise no_such_job()
+        raise InternalError(ProblemType.INTERNAL, "the job's results are missing in the store.")
+    return manifest
+
+
+def _file(access: JobAccess, job_id: str, name: str, if_none_match: str | None) -> Response:
+    folder = access.folder(job_id)
+    path, media_type, sha256 = _found(folder, _published(access, folder), name)
+    headers = {
+        "ETag": f'"{sha256}"',
+        # It may be kept by the caller, who asks each time whether it is still there.
+        "Cache-Control": "private, no-cache",
+    }
+    if is_unmodified(if_none_match, headers["ETag"]):
+        return Response(status_code=304, headers=headers)
+    shown = media_type.startswith(("text/html", "application/json"))
+    if shown:
+        headers["Content-Security-Policy"] = _SANDBOX
+    try:
+        stat = path.stat()
+    except FileNotFoundError as error:
+        raise no_such_job() from error
+    return FileResponse(
+        path,
+        headers=headers,
+        media_type=media_type,
+        filename=name,
+        stat_result=stat,
+        content_disposition_type="inline" if shown else "attachment",
+    )
+
+
+def _found(folder: JobFolder, manifest: Manifest, name: str) -> tuple[Path, str, str]:
+    """Path, media type and sha256 of an artifact. Raises InputError (not found, 404)."""
+    if name == MANIFEST_NAME:  # it cannot list itself
+        path = folder.manifest_path()
+        return path, "application/json", hashlib.sha256(path.read_bytes()).hexdigest()
+    for artifact in manifest.artifacts:
+        if artifact.name == name:
+            return folder.artifact_path(name), artifact.media_type, artifact.sha256
+    raise InputError(
+        ProblemType.NOT_FOUND,
+        "the job has no artifact of this name. Remedy: list them at its `artifacts`.",
+        status=404,
+    )

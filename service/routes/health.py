@@ -1,0 +1,58 @@
+"""Whether the service is alive, and whether it can take and finish work."""
+
+from fastapi import APIRouter
+from redis.exceptions import RedisError
+
+from schemas.base import WireModel
+from schemas.problem import InternalError, ProblemPart, ProblemType
+from service.access import Access, JobAccess
+from service.documented import problems
+
+router = APIRouter(tags=["operation"])
+
+
+class Alive(WireModel):
+    """The process answers."""
+
+    status: str = "alive"
+
+
+class Ready(WireModel):
+    """Redis and store answer, and these workers take jobs."""
+
+    status: str = "ready"
+    workers: list[str]
+
+
+@router.get("/healthz", responses=problems())
+def healthz() -> Alive:
+    """Whether this process answers at all. It says nothing about Redis or workers."""
+    return Alive()
+
+
+@router.get("/readyz", responses=problems(503))
+def readyz(access: Access) -> Ready:
+    """Whether a job sent now would be taken and done; if not, the problem lists what is missing."""
+    missing: list[ProblemPart] = []
+    workers: list[str] = []
+    try:
+        workers = access.records.live_workers(access.settings.worker_alive_s)
+        if not workers:
+            missing.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
+    except RedisError as error:
+        detail = f"Redis does not answer ({type(error).__name__})"
+        missing.append(ProblemPart(pointer="redis", detail=detail))
+    if not access.store.is_writable():
+        missing.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
+    if missing:
+        raise InternalError(
+            ProblemType.UNAVAILABLE,
+            "; ".join(part.detail for part in missing),
+            status=503,
+            errors=missing,
+        )
+    return Ready(workers=workers)
+
+
+def _no_worker(access: JobAccess) -> str:
+    return f"no worker said in {access.settings.worker_alive_s:g} s that it is alive"

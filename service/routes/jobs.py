@@ -1,0 +1,82 @@
+"""The jobs: look at one or all, cancel, erase."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Query, Response
+
+from jobs import ending
+from jobs.store import JOB_ID_PATTERN, is_job_id
+from schemas.job import Job, JobPage, JobState
+from service.access import Access, Owner, no_such_job
+from service.documented import problems
+
+router = APIRouter(tags=["jobs"])
+
+_RETRY_AFTER: dict[str, Any] = {
+    "Retry-After": {
+        "description": "Seconds until the next look, while the job is not at its end.",
+        "schema": {"type": "integer", "minimum": 1},
+    }
+}
+
+
+@router.get("/v1/jobs", responses=problems(422, 503))
+def list_jobs(
+    access: Access,
+    owner: Owner,
+    state: Annotated[JobState | None, Query(description="Only jobs in this state.")] = None,
+    limit: Annotated[int, Query(ge=1, le=200)] = 50,
+    cursor: Annotated[
+        str | None,
+        Query(pattern=JOB_ID_PATTERN, description="`next_cursor` of the page before."),
+    ] = None,
+) -> JobPage:
+    """Your jobs, newest first."""
+    return access.records.page(owner, state, limit, cursor)
+
+
+@router.get(
+    "/v1/jobs/{job_id}",
+    responses={200: {"headers": _RETRY_AFTER}, **problems(404, 503)},
+)
+def get_job(job_id: str, access: Access, response: Response) -> Job:
+    """How a job stands. Poll until `state` is cancelled, succeeded or failed."""
+    job = access.job(job_id)
+    if not job.state.is_terminal:
+        response.headers["Retry-After"] = str(access.settings.poll_after_s)
+    return job
+
+
+@router.post(
+    "/v1/jobs/{job_id}/cancel",
+    status_code=200,
+    responses={
+        202: {"model": Job, "description": "The worker was told; poll until it has stopped."},
+        200: {"description": "The job is at its end: cancelled now, or ended before."},
+        **problems(404, 503),
+    },
+)
+def cancel_job(job_id: str, access: Access, response: Response) -> Job:
+    """Stop the work, keep the job. Doing it again, or too late, changes nothing."""
+    access.job(job_id)
+    state = ending.cancel(access.store.folder(job_id), access.records)
+    if state is JobState.CANCELLING:
+        response.status_code = 202
+        response.headers["Retry-After"] = str(access.settings.poll_after_s)
+    return access.job(job_id)
+
+
+@router.delete(
+    "/v1/jobs/{job_id}",
+    status_code=204,
+    response_class=Response,
+    responses=problems(404, 503),
+)
+def erase_job(job_id: str, access: Access) -> None:
+    """Erase the job: inputs, results and record; a running one is stopped first.
+
+    Erasing an erased job is not an error.
+    """
+    if not is_job_id(job_id):
+        raise no_such_job()
+    ending.erase(access.store.folder(job_id), access.records)

@@ -1,0 +1,72 @@
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+import typer
+from typer.testing import CliRunner
+
+from cli.evaluate import evaluate
+from schemas.problem import InputError
+
+app = typer.Typer()
+app.command()(evaluate)
+
+
+def run(*arguments: object) -> str:
+    result = CliRunner().invoke(app, [str(a) for a in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+@pytest.fixture
+def spheres(tmp_path) -> tuple[Path, Path]:
+    paths = tmp_path / "found.stl", tmp_path / "true.ply"
+    for path, radius in zip(paths, (22.0, 20.0), strict=True):
+        trimesh.creation.icosphere(subdivisions=5, radius=radius).export(path)
+    return paths
+
+
+def test_concentric_spheres_in_json(spheres):
+    found = json.loads(run(*spheres, "--json"))
+    assert found["surface_distance"]["mean_mm"] == pytest.approx(2.0, abs=0.02)
+    assert found["surface_distance"]["to_reference"]["max_mm"] == pytest.approx(2.0, abs=0.03)
+    assert found["volume_difference_percent"] == pytest.approx(33.1, abs=0.01)
+    assert found["mesh"]["watertight"]
+    assert found["mesh"]["euler_number"] == 2
+    assert found["point_set_distance"]["chamfer_mm2"] > 8.0
+
+
+def test_a_surface_against_itself_is_at_no_distance(spheres):
+    found = json.loads(run(spheres[0], spheres[0], "--json"))
+    assert found["surface_distance"]["hausdorff_mm"] < 1e-9
+    assert found["volume_difference_percent"] == 0.0
+
+
+def test_the_table_tells_the_same(spheres):
+    text = run(*spheres)
+    for word in ("mesh to reference", "reference to mesh", "Chamfer mm2", "volume mL", "44."):
+        assert word in text
+
+
+def test_an_open_surface_is_told_open(spheres, tmp_path):
+    solid = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
+    solid.update_faces(np.arange(len(solid.faces)) > 0)
+    solid.export(tmp_path / "open.obj")
+    found = json.loads(run(tmp_path / "open.obj", spheres[1], "--json"))
+    assert found["mesh"]["volume_ml"] is None
+    assert found["volume_difference_percent"] is None
+    assert "open" in run(tmp_path / "open.obj", spheres[1])
+
+
+def test_json_has_no_infinity_even_for_triangles_without_area(spheres, tmp_path):
+    flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n"
+    (tmp_path / "flat.obj").write_text(flat)
+    found = json.loads(run(tmp_path / "flat.obj", spheres[1], "--json", "--samples", 100))
+    assert found["mesh"]["quality"]["aspect_ratio_max"] is None
+
+
+def test_a_missing_file_is_bad_input(spheres, tmp_path):
+    with pytest.raises(InputError, match=r"no file.*check the path"):
+        run(spheres[0], tmp_path / "nowhere.stl")

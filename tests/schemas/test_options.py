@@ -1,0 +1,107 @@
+"""Options: presets fill what the request leaves out, and what it names wins."""
+
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from schemas.options import PRESETS, Options, Preset
+from schemas.vocabulary import MeshFormat
+
+
+def leaves(group: dict[str, Any], path: tuple[str, ...] = ()) -> list[tuple[tuple[str, ...], Any]]:
+    found = []
+    for key, value in group.items():
+        if isinstance(value, dict):
+            found += leaves(value, (*path, key))
+        else:
+            found.append(((*path, key), value))
+    return found
+
+
+def value_at(options: Options, path: tuple[str, ...]) -> Any:
+    value: Any = options
+    for step in path:
+        value = getattr(value, step)
+    return value
+
+
+def nested(path: tuple[str, ...], value: Any) -> Any:
+    for step in reversed(path):
+        value = {step: value}
+    return value
+
+
+def test_nothing_named_is_the_published_default() -> None:
+    options = Options()
+    assert (options.levels, options.iterations_per_level, options.seed) == (6, 120, 0)
+    assert options.formats == [MeshFormat.STL, MeshFormat.OBJ]
+    assert options.surfaces is None
+    assert options.preset is Preset.STANDARD
+
+
+@pytest.mark.parametrize("preset", list(Preset))
+def test_a_preset_sets_exactly_its_own(preset: Preset) -> None:
+    options, default = Options(preset=preset), Options()
+    for path, value in leaves(PRESETS[preset]):
+        assert value_at(options, path) == value
+    own = {path for path, _ in leaves(PRESETS[preset])} | {("preset",)}
+    for path, value in leaves(default.model_dump()):
+        if path not in own:
+            assert value_at(options, path) == value
+
+
+@pytest.mark.parametrize(
+    ("preset", "path"), [(p, path) for p in Preset for path, _ in leaves(PRESETS[p])]
+)
+def test_what_a_request_names_wins(preset: Preset, path: tuple[str, ...]) -> None:
+    default = value_at(Options(), path)
+    options = Options.model_validate({"preset": preset.value, **nested(path, default)})
+    assert value_at(options, path) == default
+    for other, value in leaves(PRESETS[preset]):
+        if other != path:
+            assert value_at(options, other) == value
+
+
+@pytest.mark.parametrize("preset", list(Preset))
+def test_options_survive_the_wire(preset: Preset) -> None:
+    options = Options(preset=preset, levels=3)
+    assert Options.model_validate_json(options.model_dump_json()) == options
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"levels": 0},
+        {"levels": 9},
+        {"iterations_per_level": 0},
+        {"seed": -1},
+        {"seed": 2**31},
+        {"target_edge_mm": 0.1},
+        {"base": "ajar"},
+        {"preset": "best"},
+        {"preset": []},
+        {"preset": {}},
+        {"preset": None},
+        {"surfaces": []},
+        {"surfaces": ["lv_endo"] * 6},
+        {"formats": ["stl"] * 6},
+        {"network": {"width": 1}},
+        {"loss": {"hinge_weight": float("nan")}},
+        {"mesh": {"grid_mm": 0}},
+        {"mesh": 3},
+        {"preset": "fast", "mesh": 3},
+        {"colour": 1},
+        {"mesh": {"colour": 1}},
+        [],
+        None,
+    ],
+)
+def test_out_of_bounds_is_refused(given: Any) -> None:
+    with pytest.raises(ValidationError):
+        Options.model_validate(given)
+
+
+def test_options_are_frozen() -> None:
+    with pytest.raises(ValidationError):
+        Options().levels = 3

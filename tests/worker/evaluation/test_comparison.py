@@ -1,0 +1,28 @@
+import numpy as np
+import pytest
+
+from worker.evaluation.comparison import compared
+from worker.surface_mesh import SurfaceMesh
+
+
+def test_a_scaled_sphere(spheres):
+    found = compared(spheres(22.0), spheres(20.0), samples=5000)
+    assert found.volume_difference_percent == pytest.approx(100.0 * (1.1**3 - 1.0))
+    assert found.surface_distance.mean_mm == pytest.approx(2.0, abs=0.02)
+    assert found.point_set_distance.rms_chamfer_mm > found.surface_distance.rms_mm
+    assert found.mesh.watertight
+    assert found.reference.euler_number == 2
+
+
+def test_the_point_set_form_has_a_floor_where_the_exact_one_has_none(sphere):
+    found = compared(sphere, sphere, samples=5000)
+    assert found.surface_distance.hausdorff_mm < 1e-10
+    assert found.point_set_distance.hausdorff50_mm > 0.1
+
+
+def test_an_open_surface_has_no_volume(sphere):
+    holed = SurfaceMesh(sphere.vertices_mm, sphere.faces[1:])
+    found = compared(holed, sphere, samples=500)
+    assert found.mesh.volume_ml is None
+    assert found.volume_difference_percent is None
+    assert found.reference.volume_ml == pytest.approx(4 / 3 * np.pi * 8.0, rel=2e-3)

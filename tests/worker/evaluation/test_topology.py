@@ -1,0 +1,85 @@
+import numpy as np
+
+from worker.evaluation.topology import (
+    boundary_loop_count,
+    component_count,
+    euler_number,
+    is_outward,
+    is_watertight,
+)
+from worker.surface_mesh import SurfaceMesh
+
+
+def beside(first: SurfaceMesh, second: SurfaceMesh) -> SurfaceMesh:
+    moved = second.vertices_mm + np.array([100.0, 0.0, 0.0])
+    return SurfaceMesh(
+        np.vstack([first.vertices_mm, moved]),
+        np.vstack([first.faces, second.faces + len(first.vertices_mm)]),
+    )
+
+
+def test_a_sphere_is_closed_outward_and_of_genus_zero(sphere):
+    assert is_watertight(sphere)
+    assert is_outward(sphere)
+    assert euler_number(sphere) == 2
+    assert component_count(sphere) == 1
+    assert boundary_loop_count(sphere) == 0
+
+
+def test_a_torus_has_euler_number_zero(torus):
+    assert is_outward(torus)
+    assert euler_number(torus) == 0
+
+
+def test_an_inside_out_sphere_is_closed_but_not_outward(sphere):
+    inward = SurfaceMesh(sphere.vertices_mm, sphere.faces[:, ::-1])
+    assert is_watertight(inward)
+    assert not is_outward(inward)
+
+
+def test_a_missing_triangle_opens_the_surface(sphere):
+    holed = SurfaceMesh(sphere.vertices_mm, sphere.faces[1:])
+    assert not is_watertight(holed)
+    assert boundary_loop_count(holed) == 1
+    assert euler_number(holed) == 1
+
+
+def test_holes_apart_are_counted_apart(cube):
+    # The two triangles of opposite sides.
+    normals = np.cross(
+        cube.triangles_mm[:, 1] - cube.triangles_mm[:, 0],
+        cube.triangles_mm[:, 2] - cube.triangles_mm[:, 0],
+    )
+    tube = SurfaceMesh(cube.vertices_mm, cube.faces[np.abs(normals[:, 2]) < 1.0])
+    assert boundary_loop_count(tube) == 2
+    assert euler_number(tube) == 0
+
+
+def test_one_flipped_triangle_is_not_watertight(sphere):
+    faces = sphere.faces.copy()
+    faces[7] = faces[7, ::-1]
+    assert not is_watertight(SurfaceMesh(sphere.vertices_mm, faces))
+
+
+def test_a_doubled_triangle_is_not_watertight(sphere):
+    faces = np.vstack([sphere.faces, sphere.faces[:1]])
+    assert not is_watertight(SurfaceMesh(sphere.vertices_mm, faces))
+
+
+def test_two_spheres_are_two_components(sphere):
+    pair = beside(sphere, sphere)
+    assert component_count(pair) == 2
+    assert euler_number(pair) == 4
+
+
+def test_vertices_out_of_use_do_not_count(sphere):
+    vertices = np.vstack([sphere.vertices_mm, [[0.0, 0.0, 0.0]]])
+    with_spare = SurfaceMesh(vertices, sphere.faces)
+    assert euler_number(with_spare) == 2
+    assert component_count(with_spare) == 1
+
+
+def test_no_faces_are_no_surface():
+    nothing = SurfaceMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
+    assert not is_watertight(nothing)
+    assert component_count(nothing) == 0

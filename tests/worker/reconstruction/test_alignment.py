@@ -1,0 +1,84 @@
+"""Shifts move what the evidence holds, and nothing else."""
+
+import numpy as np
+import pytest
+import torch
+
+from schemas.vocabulary import View
+from worker.reconstruction.alignment import SliceShifts
+from worker.reconstruction.normalisation import normalise
+from worker.reconstruction.samples import NO_SLICE
+from worker.reconstruction.stacking import build_stack
+
+
+def shifts_of(study) -> tuple[SliceShifts, list[bool], np.ndarray]:
+    stack, _ = normalise(build_stack(study, study.frames[0]))
+    sax = [s.view is View.SAX for s in stack.slices]
+    heights = np.array([s.origin @ stack.slices[0].normal for s in stack.slices])
+    return SliceShifts(stack, prior=0.05, limit=0.2), sax, heights
+
+
+def test_long_axis_slices_and_samples_of_no_slice_stay(concentric_spheres) -> None:
+    shifts, sax, _ = shifts_of(concentric_spheres())
+    with torch.no_grad():
+        shifts.in_plane.fill_(0.1)
+    shifts.restrain()
+    lengths = np.linalg.norm(shifts.found(), axis=1)
+    np.testing.assert_allclose(lengths, np.where(sax, 0.1 * np.sqrt(2), 0.0), atol=1e-6)
+    points = torch.rand(4, 3)
+    stay = torch.full((4,), NO_SLICE)
+    torch.testing.assert_close(shifts.aligned(points, stay), points)
+
+
+def test_shifts_are_in_plane_and_limited(concentric_spheres) -> None:
+    study = concentric_spheres()
+    stack, _ = normalise(build_stack(study, study.frames[0]))
+    shifts = SliceShifts(stack, prior=0.05, limit=0.2)
+    with torch.no_grad():
+        shifts.in_plane.normal_(0.0, 1.0, generator=torch.Generator().manual_seed(0))
+    shifts.restrain()
+    for slice_, shift in zip(stack.slices, shifts.found(), strict=True):
+        assert shift @ slice_.normal == pytest.approx(0.0, abs=1e-6)
+        assert np.linalg.norm(shift) <= 0.2 + 1e-6
+
+
+def test_without_long_axis_slices_common_shift_and_shear_are_unobservable(
+    concentric_spheres,
+) -> None:
+    shifts, sax, heights = shifts_of(concentric_spheres(long_axis=False))
+    assert all(sax)
+    slope = torch.as_tensor(heights, dtype=torch.float32)[:, None]
+    wobble = 0.02 * torch.cos(torch.arange(len(sax)) * 2.5)[:, None]
+    with torch.no_grad():
+        shifts.in_plane.copy_(0.03 + 0.02 * slope + wobble)
+    shifts.restrain()
+    found = shifts.in_plane.detach().numpy()
+    np.testing.assert_allclose(found.mean(axis=0), 0.0, atol=1e-6)
+    np.testing.assert_allclose((heights - heights.mean()) @ found, 0.0, atol=1e-6)
+    assert np.abs(found).max() > 0.01
+
+
+def test_one_long_axis_slice_holds_one_direction(concentric_spheres) -> None:
+    document = concentric_spheres().model_dump(mode="json")
+    document["frames"][0]["slices"] = [
+        s for s in document["frames"][0]["slices"] if s["view"] != "lax_2ch"
+    ]
+    study = type(concentric_spheres()).model_validate(document)
+    stack, _ = normalise(build_stack(study, study.frames[0]))
+    long_axis = next(s for s in stack.slices if s.view is not View.SAX)
+    shifts = SliceShifts(stack, prior=0.05, limit=0.5)
+    with torch.no_grad():
+        shifts.in_plane.fill_(0.05)
+    shifts.restrain()
+    movers = [i for i, s in enumerate(stack.slices) if s.view is View.SAX]
+    across = shifts.found()[movers] @ long_axis.normal
+    within = shifts.found()[movers] @ np.cross(long_axis.normal, stack.slices[0].normal)
+    np.testing.assert_allclose(across, 0.0, atol=1e-6)
+    assert np.abs(within).min() > 0.01
+
+
+def test_prior_is_half_the_mean_squared_shift_in_standard_deviations(concentric_spheres) -> None:
+    shifts, _, _ = shifts_of(concentric_spheres())
+    with torch.no_grad():
+        shifts.in_plane.fill_(0.05)
+    assert shifts.negative_log_prior().item() == pytest.approx(1.0)

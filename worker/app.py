@@ -1,0 +1,51 @@
+"""The Celery application of the worker: `celery --app worker.app worker`.
+
+The parent process takes messages and forks children; it never loads torch, which does not survive
+a fork. A child works on one job at a time.
+"""
+
+import os
+from typing import Any
+
+from celery import Celery
+from celery.signals import worker_init, worker_process_init, worker_shutting_down
+
+from jobs.celery_settings import celery_settings
+from worker import shutdown_flag
+from worker.heartbeat import heartbeat_step
+from worker.parent_death import die_with_parent
+from worker.settings import WorkerSettings
+from worker.threads import bind_libraries
+
+settings = WorkerSettings()
+# Before any child loads numpy, which looks at the environment only then.
+bind_libraries(settings.threads)
+
+app = Celery("neuralmri-worker", include=["worker.task"])
+app.conf.update(
+    celery_settings(settings),
+    worker_pool="prefork",
+    worker_max_tasks_per_child=settings.max_tasks_per_child,
+    # SIGQUIT's grace; on SIGTERM a job is handed back within a second or so.
+    worker_soft_shutdown_timeout=10.0,
+    # Control messages and events are broadcasts to everybody on the broker; nobody here needs them.
+    worker_enable_remote_control=False,
+    worker_send_task_events=False,
+)
+app.steps["consumer"].add(heartbeat_step(settings))
+
+
+@worker_init.connect(weak=False)  # type: ignore[untyped-decorator]  # celery ships no types
+def _opens(**_: Any) -> None:
+    shutdown_flag.lower_flag()
+
+
+@worker_shutting_down.connect(weak=False)  # type: ignore[untyped-decorator]
+def _closes(**_: Any) -> None:
+    shutdown_flag.raise_flag()
+
+
+@worker_process_init.connect(weak=False)  # type: ignore[untyped-decorator]
+def _child_starts(**_: Any) -> None:
+    # A child that outlived its parent would hold a job that nobody can cancel.
+    die_with_parent(os.getppid())

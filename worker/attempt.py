@@ -1,0 +1,165 @@
+"""One attempt on one job: claim, compute, publish, say how it ended.
+
+The folder is the truth and the fence guards it: before anything is written that others see, the
+lease is confirmed. Whatever happens in between, the job is left to be ended exactly once: by this
+attempt, by a later one, or by the reconciler.
+"""
+
+import logging
+import shutil
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from celery.exceptions import SoftTimeLimitExceeded
+from redis.exceptions import RedisError
+
+from jobs.claim import Claim, Refusal
+from jobs.errors import AlreadyPublished, JobGone, StaleToken
+from jobs.folder import JobFolder
+from jobs.queue import JobQueue
+from jobs.records import JobRecords
+from jobs.store import JobStore
+from schemas.artifacts import Manifest
+from schemas.job import JobState
+from schemas.messages import Outcome, ReconstructMessage
+from schemas.problem import InputError, InternalError, Problem
+from worker.failure import problem_of, timed_out, worker_lost
+from worker.job_observer import JobObserver, StopReason
+from worker.lease import Lease
+from worker.reconstruction.observer import Cancelled, Observer
+from worker.settings import WorkerSettings
+
+_LOGGER = logging.getLogger(__name__)
+
+Produce = Callable[[JobFolder, Path, Observer], Manifest]
+"""Computes a job into an empty folder. Raises ServiceError, Cancelled, or anything."""
+
+
+@dataclass(frozen=True)
+class Desk:
+    """What a worker process works with."""
+
+    store: JobStore
+    records: JobRecords
+    queue: JobQueue
+    settings: WorkerSettings
+    produce: Produce
+    is_shutting_down: Callable[[], bool]
+
+
+def attempt(job_id: str, desk: Desk) -> None:
+    """Work on a job if it is to be had, and return; the job's end is in its folder and record.
+
+    Raises RedisError where the job cannot even be claimed; the reconciler enqueues it again.
+    """
+    settings = desk.settings
+    claim = desk.records.claim(job_id, settings.lease_s, settings.max_attempts)
+    if claim.token is None:
+        _LOGGER.info("job %s is not to be had: %s", job_id, claim.refusal)
+        return
+    folder = desk.store.folder(job_id)
+    with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
+        ending = _Ending(folder, desk.records, claim, lease)
+        try:
+            if claim.refusal is Refusal.EXHAUSTED:
+                ending.failed(worker_lost(job_id, settings.max_attempts))
+            elif folder.manifest() is not None:
+                # An earlier attempt published its results and died before it could say so.
+                ending.write(JobState.SUCCEEDED)
+            else:
+                _work(folder, desk, lease, ending)
+        except JobGone:
+            _LOGGER.info("job %s was erased while it was worked on", job_id)
+
+
+def _work(folder: JobFolder, desk: Desk, lease: Lease, ending: "_Ending") -> None:
+    job_id = folder.job_id
+    observer = JobObserver(desk.records, lease, desk.is_shutting_down)
+    staging = folder.staging(lease.token)
+    try:
+        if observer.is_cancelled():
+            raise Cancelled
+        manifest = desk.produce(folder, staging, observer)
+        ending.succeeded(staging, manifest)
+    except Cancelled:
+        _stopped(observer.stop_reason, desk, lease, ending)
+    except SoftTimeLimitExceeded:
+        ending.failed(timed_out(job_id, desk.settings.soft_time_limit_s))
+    except InputError as error:
+        ending.failed(problem_of(error, job_id))
+    except JobGone:
+        raise
+    except Exception as error:
+        if not folder.exists():
+            raise JobGone(f"job {job_id} was erased") from error
+        _LOGGER.exception("job %s failed", job_id)
+        ending.failed(problem_of(error, job_id))
+    finally:
+        # Gone already where it was published, or where the job was erased.
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _stopped(reason: StopReason | None, desk: Desk, lease: Lease, ending: "_Ending") -> None:
+    if reason is StopReason.CANCELLED:
+        ending.write(JobState.CANCELLED)
+    elif reason is StopReason.SHUTDOWN:
+        _hand_back(desk, lease)
+    else:
+        _LOGGER.info("job %s is another attempt's now", lease.job_id)
+
+
+def _hand_back(desk: Desk, lease: Lease) -> None:
+    """Return the job to the queue. Where that fails, the reconciler does it once the lease ends."""
+    try:
+        desk.records.released(lease.job_id, lease.token)
+        desk.queue.enqueue(ReconstructMessage(job_id=lease.job_id))
+    except (RedisError, InternalError, StaleToken) as error:
+        _LOGGER.warning("job %s was not handed back: %s", lease.job_id, error)
+    else:
+        _LOGGER.info("job %s was handed back: this worker closes", lease.job_id)
+
+
+@dataclass(frozen=True)
+class _Ending:
+    """The ways in which this attempt may end the job, each only while the job is ours."""
+
+    folder: JobFolder
+    records: JobRecords
+    claim: Claim
+    lease: Lease
+
+    def succeeded(self, staging: Path, manifest: Manifest) -> None:
+        if not self.lease.confirm():
+            return
+        try:
+            self.folder.publish(staging, manifest)
+        except AlreadyPublished:
+            _LOGGER.info("job %s: another attempt's results stand", self.folder.job_id)
+        self.write(JobState.SUCCEEDED)
+
+    def failed(self, problem: Problem) -> None:
+        self.write(JobState.FAILED, problem)
+
+    def write(self, state: JobState, error: Problem | None = None) -> None:
+        """Write the outcome, then record whichever outcome stands."""
+        if not self.lease.confirm():
+            return
+        outcome = self.folder.write_outcome(
+            Outcome(
+                state=state,
+                started_at=self.claim.started_at,
+                finished_at=datetime.now(UTC),
+                attempt=self.claim.attempt,
+                error=error,
+            )
+        )
+        try:
+            self.records.finished(self.folder.job_id, self.lease.token, outcome)
+        except (RedisError, StaleToken) as trouble:
+            # The folder says how the job ended; the reconciler tells Redis.
+            _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
+        for leftover in self.folder.path.glob("staging-*"):
+            # Of attempts whose worker died; one that still runs finds its token stale.
+            shutil.rmtree(leftover, ignore_errors=True)

@@ -1,0 +1,85 @@
+"""A surface held against its reference: everything that is measured between two meshes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from worker.evaluation.distance import SurfaceDistance, surface_to_surface
+from worker.evaluation.point_set_distance import PointSetDistance, point_set_distance
+from worker.evaluation.quality import TriangleQuality, triangle_quality
+from worker.evaluation.size import area_cm2, signed_volume_ml
+from worker.evaluation.surface_samples import area_uniform_samples_mm
+from worker.evaluation.topology import component_count, euler_number, is_watertight
+from worker.surface_mesh import SurfaceMesh
+
+
+@dataclass(frozen=True)
+class SurfaceFacts:
+    """One surface by itself. volume_ml is None when the surface is not closed."""
+
+    volume_ml: float | None
+    area_cm2: float
+    watertight: bool
+    euler_number: int
+    components: int
+    vertices: int
+    faces: int
+    quality: TriangleQuality
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A surface, its reference, and their distances.
+
+    surface_distance is exact and is the one to judge by; point_set_distance is the method's own
+    form, between as many points drawn independently on either surface.
+    """
+
+    mesh: SurfaceFacts
+    reference: SurfaceFacts
+    volume_difference_percent: float | None
+    surface_distance: SurfaceDistance
+    point_set_distance: PointSetDistance
+    samples: int
+    seed: int
+
+
+def compared(
+    mesh: SurfaceMesh, reference: SurfaceMesh, samples: int = 20_000, seed: int = 0
+) -> Comparison:
+    """Measures `mesh` against `reference`, both in mm and in one frame.
+
+    Deterministic in `seed`. Raises InternalError when either mesh has no faces.
+    """
+    own, other = surface_facts(mesh), surface_facts(reference)
+    difference = None
+    if own.volume_ml is not None and other.volume_ml:
+        difference = 100.0 * (own.volume_ml - other.volume_ml) / other.volume_ml
+    generator = np.random.default_rng(seed)
+    return Comparison(
+        mesh=own,
+        reference=other,
+        volume_difference_percent=difference,
+        surface_distance=surface_to_surface(mesh, reference, samples, seed),
+        point_set_distance=point_set_distance(
+            area_uniform_samples_mm(mesh, samples, generator),
+            area_uniform_samples_mm(reference, samples, generator),
+        ),
+        samples=samples,
+        seed=seed,
+    )
+
+
+def surface_facts(mesh: SurfaceMesh) -> SurfaceFacts:
+    """Size, topology and triangle quality of a mesh that has faces, whichever way it faces."""
+    watertight = is_watertight(mesh)
+    return SurfaceFacts(
+        volume_ml=abs(signed_volume_ml(mesh)) if watertight else None,
+        area_cm2=area_cm2(mesh),
+        watertight=watertight,
+        euler_number=euler_number(mesh),
+        components=component_count(mesh),
+        vertices=len(mesh.vertices_mm),
+        faces=len(mesh.faces),
+        quality=triangle_quality(mesh),
+    )

@@ -1,0 +1,111 @@
+"""How far two surfaces are apart: exact distances from points to triangles."""
+
+from dataclasses import dataclass
+from weakref import WeakKeyDictionary
+
+import igl
+import numpy as np
+
+from schemas.problem import InternalError, ProblemType
+from worker.arrays import Points, Scalars
+from worker.evaluation.surface_samples import area_uniform_samples_mm
+from worker.surface_mesh import SurfaceMesh
+
+
+@dataclass(frozen=True)
+class DirectedDistance:
+    """Distances from samples of one surface to the nearest points of another, mm."""
+
+    mean_mm: float
+    rms_mm: float
+    p95_mm: float
+    max_mm: float
+    samples: int
+
+
+@dataclass(frozen=True)
+class SurfaceDistance:
+    """Exact distances between a surface and its reference, both ways, mm.
+
+    mean_mm, rms_mm: over both directions, each direction weighing the same.
+    hausdorff95_mm, hausdorff_mm: the larger of the two directions' 95th percentile and maximum.
+        The maximum is that of the samples, a lower bound of the true one and soon close to it.
+    """
+
+    mean_mm: float
+    rms_mm: float
+    hausdorff95_mm: float
+    hausdorff_mm: float
+    to_reference: DirectedDistance
+    from_reference: DirectedDistance
+
+
+class _Tree:
+    """A mesh's bounding-box tree, in the exact types and layout that libigl takes."""
+
+    def __init__(self, mesh: SurfaceMesh) -> None:
+        self._vertices = np.ascontiguousarray(mesh.vertices_mm, dtype=np.float64)
+        self._faces = np.ascontiguousarray(mesh.faces, dtype=np.int64)
+        self._boxes = igl.AABB()
+        self._boxes.init(self._vertices, self._faces)
+
+    def distances_mm(self, points_mm: Points) -> Scalars:
+        points = np.ascontiguousarray(points_mm, dtype=np.float64)
+        squared, _, _ = self._boxes.squared_distance(self._vertices, self._faces, points)
+        distances: Scalars = np.sqrt(np.maximum(squared, 0.0))
+        return distances
+
+
+_TREES: WeakKeyDictionary[SurfaceMesh, _Tree] = WeakKeyDictionary()
+"""Trees of meshes still in use: a report asks for the distance of every outline by itself, and the
+tree takes longer than the query. A mesh is a frozen value, so its tree stays right."""
+
+
+def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
+    """Exact distance from each of (n, 3) points to the nearest triangle of `mesh`, (n,) mm.
+
+    Raises InternalError when the mesh has no faces.
+    """
+    if not len(mesh.faces):
+        raise InternalError(
+            ProblemType.NO_SURFACE, "The mesh has no triangles to measure a distance to."
+        )
+    if not len(points_mm):
+        return np.zeros(0)
+    tree = _TREES.get(mesh)
+    if tree is None:
+        tree = _TREES[mesh] = _Tree(mesh)
+    return tree.distances_mm(points_mm)
+
+
+def surface_to_surface(
+    mesh: SurfaceMesh, reference: SurfaceMesh, samples: int = 20_000, seed: int = 0
+) -> SurfaceDistance:
+    """Distances from `samples` area-uniform points of each surface to the other's triangles.
+
+    Deterministic in `seed`. Raises InternalError when either mesh has no faces.
+    """
+    generator = np.random.default_rng(seed)
+    there = _directed(mesh, reference, samples, generator)
+    back = _directed(reference, mesh, samples, generator)
+    return SurfaceDistance(
+        mean_mm=(there.mean_mm + back.mean_mm) / 2.0,
+        rms_mm=float(np.sqrt((there.rms_mm**2 + back.rms_mm**2) / 2.0)),
+        hausdorff95_mm=max(there.p95_mm, back.p95_mm),
+        hausdorff_mm=max(there.max_mm, back.max_mm),
+        to_reference=there,
+        from_reference=back,
+    )
+
+
+def _directed(
+    source: SurfaceMesh, target: SurfaceMesh, samples: int, generator: np.random.Generator
+) -> DirectedDistance:
+    distances = points_to_surface_mm(area_uniform_samples_mm(source, samples, generator), target)
+    return DirectedDistance(
+        mean_mm=float(distances.mean()),
+        rms_mm=float(np.sqrt(np.mean(distances**2))),
+        p95_mm=float(np.percentile(distances, 95.0)),
+        max_mm=float(distances.max()),
+        samples=samples,
+    )

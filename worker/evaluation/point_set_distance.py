@@ -1,0 +1,52 @@
+"""Distances between two sets of points, as the method's paper measures them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from schemas.problem import InternalError, ProblemType
+from worker.arrays import SomePoints
+
+
+@dataclass(frozen=True)
+class PointSetDistance:
+    """Nearest-neighbour distances between two point sets P and Q, both ways.
+
+    chamfer_mm2: mean squared distance from P to Q plus that from Q to P.
+    rms_chamfer_mm: square root of half of it, a length again.
+    hausdorff_mm: largest distance either way. hausdorff{50,90,95}_mm: the larger of the two
+        directions' percentiles.
+
+    These do not vanish for two samplings of one surface: the floor is about half the spacing of
+    the points. For judgement use `surface_to_surface`.
+    Source: NeuralMRI (arXiv 2603.27003), whose Chamfer distance is squared.
+    """
+
+    chamfer_mm2: float
+    rms_chamfer_mm: float
+    hausdorff_mm: float
+    hausdorff50_mm: float
+    hausdorff90_mm: float
+    hausdorff95_mm: float
+
+
+def point_set_distance(first_mm: SomePoints, second_mm: SomePoints) -> PointSetDistance:
+    """Distances between point sets (n, 3) and (m, 3), mm. Raises InternalError if one is empty."""
+    if not len(first_mm) or not len(second_mm):
+        raise InternalError(ProblemType.NO_SURFACE, "A point set without points has no distance.")
+    there, _ = cKDTree(second_mm).query(first_mm)
+    back, _ = cKDTree(first_mm).query(second_mm)
+    chamfer = float(np.mean(there**2) + np.mean(back**2))
+
+    def percentile(percent: float) -> float:
+        return float(max(np.percentile(there, percent), np.percentile(back, percent)))
+
+    return PointSetDistance(
+        chamfer_mm2=chamfer,
+        rms_chamfer_mm=float(np.sqrt(chamfer / 2.0)),
+        hausdorff_mm=percentile(100.0),
+        hausdorff50_mm=percentile(50.0),
+        hausdorff90_mm=percentile(90.0),
+        hausdorff95_mm=percentile(95.0),
+    )

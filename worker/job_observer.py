@@ -1,0 +1,98 @@
+"""The reconstruction's observer in a worker: progress to Redis, and the reasons to stop from it."""
+
+import logging
+import time
+from collections.abc import Callable
+from enum import StrEnum
+
+from redis.exceptions import RedisError
+
+from jobs.errors import StaleToken
+from jobs.records import JobRecords
+from schemas.job import Progress, Stage
+from worker.lease import Lease
+
+_LOGGER = logging.getLogger(__name__)
+_TELL_EVERY_S = 0.25
+_ASK_EVERY_S = 0.3
+_REST_AFTER_FAILURE_S = 5.0
+_ETA_FROM_FRACTION = 0.05
+
+
+class StopReason(StrEnum):
+    """Why a computation was stopped."""
+
+    CANCELLED = "cancelled"
+    """Its caller asked."""
+    LEASE_LOST = "lease_lost"
+    """Another attempt has the job, or it was erased."""
+    SHUTDOWN = "shutdown"
+    """This worker closes; the job goes back to the queue."""
+
+
+class JobObserver:
+    """Watches one attempt. `stop_reason` says why it told the computation to stop, if it did.
+
+    Redis is told at most four times a second and asked at most every 0.3 s; when it fails, the
+    computation goes on unwatched for a while.
+    """
+
+    def __init__(
+        self, records: JobRecords, lease: Lease, is_shutting_down: Callable[[], bool]
+    ) -> None:
+        self.stop_reason: StopReason | None = None
+        self._records = records
+        self._lease = lease
+        self._is_shutting_down = is_shutting_down
+        self._started_s = time.monotonic()
+        self._tell_at_s = 0.0
+        self._ask_at_s = 0.0
+        self._stage: Stage | None = None
+
+    def advanced(self, progress: Progress) -> None:
+        now_s = time.monotonic()
+        if self._lease.is_lost or (now_s < self._tell_at_s and progress.stage is self._stage):
+            return
+        self._tell_at_s = now_s + _TELL_EVERY_S
+        self._stage = progress.stage
+        try:
+            self._records.advanced(
+                self._lease.job_id, self._lease.token, self._with_eta(progress, now_s)
+            )
+        except StaleToken:
+            self._lease.lose()
+        except RedisError as error:
+            self._tell_at_s = now_s + _REST_AFTER_FAILURE_S
+            _LOGGER.warning("job %s: progress was not recorded: %s", self._lease.job_id, error)
+
+    def is_cancelled(self) -> bool:
+        if self.stop_reason is None:
+            self.stop_reason = self._reason_to_stop()
+        return self.stop_reason is not None
+
+    def _reason_to_stop(self) -> StopReason | None:
+        if self._lease.is_lost:
+            return StopReason.LEASE_LOST
+        if self._is_cancel_requested():
+            return StopReason.CANCELLED
+        return StopReason.SHUTDOWN if self._is_shutting_down() else None
+
+    def _is_cancel_requested(self) -> bool:
+        now_s = time.monotonic()
+        if now_s < self._ask_at_s:
+            return False
+        self._ask_at_s = now_s + _ASK_EVERY_S
+        try:
+            return self._records.is_cancel_requested(self._lease.job_id)
+        except RedisError as error:
+            self._ask_at_s = now_s + _REST_AFTER_FAILURE_S
+            _LOGGER.warning("job %s: cancellation is not seen: %s", self._lease.job_id, error)
+            return False
+
+    def _with_eta(self, progress: Progress, now_s: float) -> Progress:
+        """Add what remains if the rest is as fast as what was, where nothing better is known."""
+        if progress.eta_s is not None or progress.fraction < _ETA_FROM_FRACTION:
+            return progress
+        elapsed_s = now_s - self._started_s
+        eta_s = elapsed_s * (1.0 - progress.fraction) / progress.fraction
+        return progress.model_copy(update={"eta_s": round(eta_s, 1)})

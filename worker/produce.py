@@ -1,0 +1,26 @@
+"""A job's folder in, its artifacts out: the way from job to science and back."""
+
+from pathlib import Path
+
+from jobs.folder import JobFolder
+from schemas.artifacts import Manifest
+from schemas.job import Progress, Stage
+from worker.reading import read_job
+from worker.reconstruction.observer import Observer
+from worker.subject import run
+
+
+def produce(folder: JobFolder, out_dir: Path, observer: Observer, *, threads: int) -> Manifest:
+    """Compute what the job asks for into `out_dir`. Raises as `read_job` and `run` do."""
+    observer.advanced(Progress(stage=Stage.READING))
+    reading = read_job(folder)
+    finished = run(
+        reading.study,
+        reading.options,
+        out_dir,
+        threads=threads,
+        input_sha256=reading.input_sha256,
+        warnings=reading.warnings,
+        observer=observer,
+    )
+    return finished.manifest

@@ -1,0 +1,46 @@
+"""What is needed to produce the same result again."""
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+
+from schemas.labels import LabelRequest
+from schemas.report import Provenance
+from schemas.study import ContourStudy
+from schemas.vocabulary import View
+
+_LIBRARIES = ("libigl", "numpy", "pyacvd", "scikit-image", "scipy", "torch", "trimesh")
+
+
+def software() -> str:
+    """Name and version of this program."""
+    return f"neuralmri {version('neuralmri')}"
+
+
+def provenance(*, seed: int, threads: int, input_sha256: str) -> Provenance:
+    """Versions of everything that computes, beside what the caller chose."""
+    return Provenance(
+        software=software(),
+        python=platform.python_version(),
+        libraries={name: version(name) for name in _LIBRARIES},
+        seed=seed,
+        threads=threads,
+        input_sha256=input_sha256,
+    )
+
+
+def study_sha256(study: ContourStudy) -> str:
+    """SHA-256 of a contour study, whatever spaces its JSON was written with."""
+    return hashlib.sha256(study.model_dump_json().encode()).hexdigest()
+
+
+def label_maps_sha256(files: Mapping[View, Path], request: LabelRequest) -> str:
+    """SHA-256 of label maps as uploaded, and of how they were to be read (options aside)."""
+    digest = hashlib.sha256(request.model_dump_json(exclude={"options"}).encode())
+    for view in sorted(files):
+        with files[view].open("rb") as file:
+            inner = hashlib.file_digest(file, "sha256")
+        digest.update(f"{view}={inner.hexdigest()}\n".encode())
+    return digest.hexdigest()

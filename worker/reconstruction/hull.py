@@ -1,0 +1,69 @@
+"""The inflated convex hull of all contours: nothing of the heart lies on it or beyond it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from schemas.problem import InputError, ProblemType
+from worker.arrays import Points, Vector
+
+_BOX_MARGIN = 0.06
+"""Room around the hull in unit lengths, so that the isosurface never meets the box."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hull:
+    """Triangles of the inflated hull, its half-spaces (a x + b <= 0 inside) and its box."""
+
+    triangles_unit: Float[np.ndarray, "m 3 3"]
+    half_spaces: Float[np.ndarray, "k 4"]
+    lower: Vector
+    upper: Vector
+
+    def on_surface(self, count: int, rng: np.random.Generator) -> Points:
+        """`count` points spread evenly over the hull's area, (n, 3) unit."""
+        a, b, c = np.moveaxis(self.triangles_unit, 1, 0)
+        areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+        chosen = rng.choice(len(a), size=count, p=areas / areas.sum())
+        u, v = rng.random((2, count, 1))
+        flip = u + v > 1.0
+        u, v = np.where(flip, 1.0 - u, u), np.where(flip, 1.0 - v, v)
+        start = a[chosen]
+        return start + u * (b[chosen] - start) + v * (c[chosen] - start)
+
+    def beyond(self, count: int, rng: np.random.Generator) -> Points:
+        """`count` points spread evenly over the box outside the hull, (n, 3) unit."""
+        found: list[Points] = []
+        missing = count
+        while missing > 0:
+            candidates = rng.uniform(self.lower, self.upper, size=(2 * count, 3))
+            heights = candidates @ self.half_spaces[:, :3].T + self.half_spaces[:, 3]
+            outside = candidates[heights.max(axis=1) > 0.0][:missing]
+            found.append(outside)
+            missing -= len(outside)
+        return np.concatenate(found) if found else np.empty((0, 3))
+
+
+def inflated_hull(points_unit: Points, inflation: float) -> Hull:
+    """The convex hull of (n, 3) points, scaled by `inflation` about its centroid.
+
+    Raises InputError when the points lie in one plane.
+    """
+    centroid = points_unit.mean(axis=0)
+    inflated = centroid + inflation * (points_unit - centroid)
+    try:
+        hull = ConvexHull(inflated)
+    except QhullError as error:
+        raise InputError(
+            ProblemType.TOO_FEW_SLICES,
+            "All contours lie in one plane, which says nothing about the third dimension; "
+            "add slices at other positions or a long-axis view.",
+        ) from error
+    return Hull(
+        triangles_unit=inflated[hull.simplices],
+        half_spaces=hull.equations,
+        lower=inflated.min(axis=0) - _BOX_MARGIN,
+        upper=inflated.max(axis=0) + _BOX_MARGIN,
+    )

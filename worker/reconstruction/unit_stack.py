@@ -1,0 +1,69 @@
+"""Slices in unit coordinates: each a plane with two axes, outlines as rings in that plane."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from schemas.vocabulary import Structure, View
+from worker.arrays import PlanePoints, Points, Vector
+
+
+@dataclass(frozen=True, eq=False)
+class UnitOutline:
+    """(n, 2) in-plane points in unit coordinates, and whether the last joins the first."""
+
+    points: PlanePoints
+    closed: bool
+
+    @property
+    def edges(self) -> tuple[PlanePoints, PlanePoints]:
+        """Start and end of every observed edge; the chord of an open outline is not one."""
+        ends = np.roll(self.points, -1, axis=0)
+        last = None if self.closed else -1
+        return self.points[:last], ends[:last]
+
+
+@dataclass(frozen=True, eq=False)
+class UnitSlice:
+    """One slice: point = origin + a * axes[0] + b * axes[1]."""
+
+    id: str
+    view: View
+    origin: Vector
+    axes: Float[np.ndarray, "2 3"]
+    outlines: Mapping[Structure, tuple[UnitOutline, ...]]
+    absent: frozenset[Structure]
+
+    @property
+    def normal(self) -> Vector:
+        """Unit normal of the plane."""
+        return np.cross(self.axes[0], self.axes[1])
+
+    def lift(self, in_plane: PlanePoints) -> Points:
+        """(n, 2) in-plane coordinates to (n, 3) unit coordinates."""
+        return self.origin + in_plane @ self.axes
+
+    def drop(self, points_unit: Points) -> PlanePoints:
+        """(n, 3) unit coordinates to (n, 2), along the normal."""
+        return (points_unit - self.origin) @ self.axes.T
+
+
+@dataclass(frozen=True, eq=False)
+class UnitStack:
+    """All slices of one frame in unit coordinates."""
+
+    slices: tuple[UnitSlice, ...]
+
+    @property
+    def points_unit(self) -> Points:
+        """All outline points, (n, 3)."""
+        return np.concatenate(
+            [
+                s.lift(o.points)
+                for s in self.slices
+                for outlines in s.outlines.values()
+                for o in outlines
+            ]
+        )

@@ -1,0 +1,21 @@
+"""Settings of a worker process, from the environment: NEURALMRI_THREADS and so on."""
+
+from pydantic import Field
+
+from jobs.settings import JobSettings
+
+
+class WorkerSettings(JobSettings):
+    """What a worker needs beyond what it shares with the service. Read once a process."""
+
+    threads: int = Field(
+        default=1,
+        ge=1,
+        le=256,
+        description="Threads of one job. One is fastest when workers fill the cores, and the count "
+        "changes the last digits of a result.",
+    )
+    max_tasks_per_child: int = Field(
+        default=20, ge=1, description="Jobs after which a child process is replaced."
+    )
+    heartbeat_every_s: float = Field(default=5.0, gt=0.0, le=15.0)

@@ -1,0 +1,35 @@
+"""The one Celery task: a message names a job, and one attempt is made on it."""
+
+from functools import cache, partial
+
+from jobs.queue import JobQueue
+from jobs.records import JobRecords
+from jobs.redis_client import make_redis
+from jobs.store import JobStore
+from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
+from worker import shutdown_flag
+from worker.app import app, settings
+from worker.attempt import Desk, attempt
+
+
+@app.task(name=RECONSTRUCT_TASK)  # type: ignore[untyped-decorator]  # celery ships no types
+def reconstruct(**message: str) -> None:
+    """Make one attempt on the job that the message names."""
+    attempt(ReconstructMessage.model_validate(message).job_id, _desk())
+
+
+@cache
+def _desk() -> Desk:
+    """Made in the child at its first job: connections do not survive a fork."""
+    # The way to the science: here, so that the parent never loads it.
+    from worker.produce import produce
+
+    redis = make_redis(settings.redis_url, settings.redis_timeout_s)
+    return Desk(
+        store=JobStore(settings.jobs_dir),
+        records=JobRecords(redis),
+        queue=JobQueue(settings, redis),
+        settings=settings,
+        produce=partial(produce, threads=settings.threads),
+        is_shutting_down=shutdown_flag.is_raised,
+    )
