@@ -27,6 +27,9 @@ def serve(
     redis_url: Annotated[
         str | None, typer.Option(help="An outside Redis, instead of a private one.")
     ] = None,
+    ready_within: Annotated[
+        float, typer.Option(min=1.0, help="Seconds that starting may take.")
+    ] = 60.0,
 ) -> None:
     """Run API, workers and a private Redis together until stopped by Ctrl-C or SIGTERM."""
     from cli.server import ServerPlan, running
@@ -38,6 +41,7 @@ def serve(
         workers=workers or max(1, (os.cpu_count() or 1) // threads),
         threads=threads,
         redis_url=redis_url,
+        ready_within_s=ready_within,
     )
     try:
         with running(plan) as server:

@@ -18,7 +18,6 @@ from cli.children import Children, python_module
 from cli.private_redis import start_redis
 from schemas.problem import InputError, InternalError, ProblemType
 
-_READY_WITHIN_S = 60.0
 _API = "service.app:create_app"
 
 # On one machine nothing is slow to answer, so a lost worker is noticed in seconds.
@@ -34,6 +33,7 @@ class ServerPlan:
     """What to run.
 
     workers: jobs at a time. threads: of each job's arithmetic. redis_url: None for a private one.
+    ready_within_s: how long starting may take.
     """
 
     host: str
@@ -42,6 +42,7 @@ class ServerPlan:
     workers: int
     threads: int = 1
     redis_url: str | None = None
+    ready_within_s: float = 60.0
 
     @property
     def url(self) -> str:
@@ -135,7 +136,7 @@ def _environment(plan: ServerPlan, redis_url: str) -> dict[str, str]:
 
 
 def _wait_until_ready(plan: ServerPlan, children: Children) -> None:
-    deadline = time.monotonic() + _READY_WITHIN_S
+    deadline = time.monotonic() + plan.ready_within_s
     answer = "no answer"
     with httpx.Client(timeout=5.0, trust_env=False) as client:
         while time.monotonic() < deadline:
@@ -151,7 +152,7 @@ def _wait_until_ready(plan: ServerPlan, children: Children) -> None:
             time.sleep(0.1)
     raise InternalError(
         ProblemType.UNAVAILABLE,
-        f"the server was not ready within {_READY_WITHIN_S:.0f} s ({answer}); "
+        f"the server was not ready within {plan.ready_within_s:g} s ({answer}); "
         f"see the logs in {plan.log_dir}",
     )
 

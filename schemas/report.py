@@ -36,7 +36,8 @@ class SliceReport(WireModel):
     id: str
     view: View
     shift_mm: tuple[float, float, float] = Field(
-        description="What was added to the slice's contours to align it, in patient axes."
+        description="How far the slice was found displaced from the heart, in its own plane, in "
+        "patient axes; its contours were moved back by as much."
     )
     contour_residual_mm: dict[Structure, DistanceSummary]
 

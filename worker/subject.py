@@ -113,7 +113,7 @@ def _write_meshes(reconstruction: Reconstruction, options: Options, out_dir: Pat
     for frame in reconstruction.frames:
         for structure, mesh in frame.surfaces.items():
             name = mesh_name(frame.label, structure)
-            for form in options.formats:
+            for form in dict.fromkeys(options.formats):
                 write_mesh(out_dir / f"{name}.{form}", mesh, name, reconstruction.axes)
 
 

@@ -72,7 +72,7 @@ def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
             structure: _surface(
                 mesh,
                 _joined([r[structure] for r in residuals if structure in r]),
-                [f"{mesh_name(fit.label, structure)}.{form}" for form in formats],
+                [f"{mesh_name(fit.label, structure)}.{form}" for form in dict.fromkeys(formats)],
             )
             for structure, mesh in fit.surfaces.items()
         },
@@ -129,7 +129,8 @@ def _residuals(fit: SliceFit, surfaces: Mapping[Structure, SurfaceMesh]) -> _Res
     }
 
 
-def _joined(parts: Sequence[Scalars]) -> Scalars:
+def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
+    """One (n,) array of many, each of its own length."""
     return np.concatenate(parts) if parts else np.empty(0)
 
 

@@ -20,7 +20,8 @@ Ring = Float[np.ndarray, "_ 2"]
 """One outline, pixel coordinates. Anonymous, since rings of a list differ in length."""
 
 _SIGMA = 1.2
-"""Blur, pixels: the mean error against true discs, ellipses and crescents is least, 0.1 pixel."""
+"""Blur, pixels. Of 0.8 to 2, least mean error for an ellipse and a crescent (0.10, 0.12 pixel);
+discs would take more (0.10 at 1.2, 0.08 at 2 for a radius of 20), and narrow horns less."""
 _MARGIN = 6
 """Pixels around a mask; the blur ends at four sigma."""
 _LEAST_PIXELS = 5

@@ -1,0 +1,116 @@
+"""The whole of a job but the job: the phantom in, files out."""
+
+from pathlib import Path
+
+import pytest
+
+from schemas.job import Progress, Stage
+from schemas.options import Options
+from schemas.problem import InputError
+from schemas.report import Report
+from schemas.study import ContourStudy
+from schemas.vocabulary import MeshFormat
+from worker.phantom.standard_study import standard_study
+from worker.reconstruction.observer import Cancelled
+from worker.subject import Finished, run
+
+QUICK = Options.model_validate(
+    {
+        "preset": "fast",
+        "levels": 2,
+        "iterations_per_level": 20,
+        "mesh": {"grid_mm": 4.0},
+        "formats": list(MeshFormat),
+    }
+)
+
+
+class Watcher:
+    """Remembers progress; asks to stop once the stage is reached."""
+
+    def __init__(self, stop_at: Stage | None = None) -> None:
+        self.seen: list[Progress] = []
+        self.stop_at = stop_at
+
+    def advanced(self, progress: Progress) -> None:
+        self.seen.append(progress)
+
+    def is_cancelled(self) -> bool:
+        return self.stop_at in [p.stage for p in self.seen]
+
+
+@pytest.fixture(scope="module")
+def study() -> ContourStudy:
+    return standard_study(edge_mm=3.0)
+
+
+def reconstructed(study: ContourStudy, out_dir: Path, watcher: Watcher) -> Finished:
+    out_dir.mkdir()
+    return run(
+        study,
+        QUICK,
+        out_dir,
+        threads=1,
+        input_sha256="a" * 64,
+        warnings=["noticed before"],
+        observer=watcher,
+    )
+
+
+def test_a_study_becomes_files_that_the_manifest_lists(study: ContourStudy, tmp_path: Path) -> None:
+    watcher = Watcher()
+    finished = reconstructed(study, tmp_path / "out", watcher)
+
+    names = {a.name for a in finished.manifest.artifacts}
+    assert names == {p.name for p in (tmp_path / "out").iterdir()}
+    meshes = {f for s in finished.report.frames[0].surfaces.values() for f in s.files}
+    assert names == meshes | {"report.json", "report.html"}
+    assert len(meshes) == 3 * len(MeshFormat)
+    written = Report.model_validate_json((tmp_path / "out" / "report.json").read_text())
+    assert written == finished.report
+    assert finished.report.warnings[0] == "noticed before"
+    assert {"fitting", "meshing", "measuring", "total"} <= set(finished.report.timings_s)
+    assert finished.report.provenance.threads == 1
+    fractions = [p.fraction for p in watcher.seen]
+    assert fractions == sorted(fractions), "progress never goes back"
+    assert (fractions[0], fractions[-1]) == (0.0, 1.0)
+    assert [*dict.fromkeys(p.stage for p in watcher.seen)] == [
+        Stage.READING,
+        Stage.FITTING,
+        Stage.MESHING,
+        Stage.MEASURING,
+        Stage.WRITING,
+        Stage.DONE,
+    ]
+
+
+def test_the_same_again_is_the_same_bytes(study: ContourStudy, tmp_path: Path) -> None:
+    reconstructed(study, tmp_path / "one", Watcher())
+    reconstructed(study, tmp_path / "two", Watcher())
+    meshes = [p for p in (tmp_path / "one").iterdir() if not p.name.startswith("report")]
+    assert meshes
+    for path in meshes:
+        assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
+
+
+@pytest.mark.parametrize("stage", [Stage.READING, Stage.FITTING, Stage.MESHING])
+def test_it_stops_where_it_is_asked_to(stage: Stage, study: ContourStudy, tmp_path: Path) -> None:
+    watcher = Watcher(stop_at=stage)
+    with pytest.raises(Cancelled):
+        reconstructed(study, tmp_path / "out", watcher)
+    assert Stage.DONE not in [p.stage for p in watcher.seen]
+
+
+def test_a_study_that_cannot_be_reconstructed_is_refused_at_the_door(
+    study: ContourStudy, tmp_path: Path
+) -> None:
+    frame = study.frames[0]
+    alone = study.model_copy(
+        update={"frames": [frame.model_copy(update={"slices": frame.slices[:1]})]}
+    )
+    watcher = Watcher()
+    with pytest.raises(InputError) as refused:
+        reconstructed(alone, tmp_path / "out", watcher)
+    assert refused.value.pointer is not None
+    assert refused.value.pointer.startswith("/study/frames/0")
+    assert Stage.FITTING not in [p.stage for p in watcher.seen]
