@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -81,7 +82,8 @@ class Children:
             )
         self._children.append(Child(name, process, log))
         if process.stdin is not None and stdin is not None:
-            with process.stdin as pipe:
+            # One that has ended already reads nothing; that it ended is `check`'s to tell.
+            with suppress(BrokenPipeError), process.stdin as pipe:
                 pipe.write(stdin.encode())
         return process
 

@@ -19,17 +19,27 @@ def children(tmp_path: Path) -> Iterator[Children]:
     children.stop()
 
 
-def test_children_are_ended_the_last_started_first(children: Children) -> None:
-    ended_at = {}
-    names = ("first", "second", "third")
-    processes = {name: children.start(name, SLEEPS) for name in names}
-    watched = {name: psutil.Process(p.pid) for name, p in processes.items()}
+def test_children_are_ended_the_last_started_first(children: Children, tmp_path: Path) -> None:
+    diary = tmp_path / "diary"
+    code = (
+        "import signal, sys, time\n"
+        f"def write(line): open({str(diary)!r}, 'a').write(line + '\\n')\n"
+        "def end(*_): write(f'{sys.argv[1]} ends'); sys.exit()\n"
+        "signal.signal(signal.SIGTERM, end)\n"
+        "write('ready')\n"
+        "time.sleep(60)"
+    )
+    for name in ("first", "second", "third"):
+        children.start(name, [sys.executable, "-c", code, name])
+    deadline = time.monotonic() + 20.0
+    while not (diary.exists() and diary.read_text().count("ready") == 3):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
     children.check()
+
     children.stop()
-    for name in names:
-        ended_at[name] = processes[name].returncode
-        assert not watched[name].is_running()
-    assert set(ended_at.values()) == {-15}
+
+    assert diary.read_text().split("\n")[3:-1] == ["third ends", "second ends", "first ends"]
 
 
 def test_a_child_that_ended_is_reported_with_its_last_words(children: Children) -> None:

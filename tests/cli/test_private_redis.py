@@ -26,9 +26,9 @@ def test_it_answers_who_knows_the_password_and_nobody_else(
     url = start_redis(tmp_path / "redis", children)
     with Redis.from_url(url) as friend:
         assert friend.set("key", "value")
-        assert friend.config_get("appendonly") == {b"appendonly": b"yes"}
-        assert friend.config_get("maxmemory-policy") == {b"maxmemory-policy": b"noeviction"}
-        assert friend.config_get("bind") == {b"bind": b"127.0.0.1"}
+        assert friend.config_get("appendonly") == {"appendonly": "yes"}
+        assert friend.config_get("maxmemory-policy") == {"maxmemory-policy": "noeviction"}
+        assert friend.config_get("bind") == {"bind": "127.0.0.1"}
     with (
         Redis(port=urlsplit(url).port or 0) as stranger,
         pytest.raises(AuthenticationError),

@@ -95,7 +95,7 @@ def test_a_running_job_is_cancelled_within_two_seconds(
 def test_a_worker_killed_in_the_middle_costs_an_attempt_and_no_result(
     server: ServeProcess, submit: Submit, tmp_path: Path
 ) -> None:
-    job = submit(server, {"formats": ["stl"]})
+    job = submit(server, {**FAST, "iterations_per_level": 150, "formats": ["stl"]})
     follow_until_fitting(server, job["id"])
     server.worker_child().kill()
 

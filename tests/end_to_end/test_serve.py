@@ -14,6 +14,9 @@ from tests.end_to_end.serve_process import ServeProcess, gone
 
 pytestmark = [pytest.mark.integration, pytest.mark.slow]
 
+SECONDS = {"preset": "fast", "formats": ["stl"], "iterations_per_level": 150}
+"""Options of a job that fits for some seconds: long enough to be interrupted."""
+
 Start = Callable[..., ServeProcess]
 Submit = Callable[[ServeProcess, dict[str, Any]], Job]
 
@@ -36,7 +39,7 @@ def test_sigterm_hands_the_job_back_stops_every_process_and_a_new_server_does_th
     start: Start, submit: Submit
 ) -> None:
     server = start().wait_until_ready()
-    job = submit(server, {"formats": ["stl"]})
+    job = submit(server, SECONDS)
     follow_until_fitting(server, job["id"])
     family = server.family()
     assert len(family) >= 4, "Redis, API, worker and its child"
@@ -62,7 +65,7 @@ def test_ctrl_c_is_the_ordinary_end(start: Start) -> None:
 
 def test_no_process_outlives_a_server_that_was_killed(start: Start, submit: Submit) -> None:
     server = start().wait_until_ready()
-    job = submit(server, {"formats": ["stl"]})
+    job = submit(server, SECONDS)
     follow_until_fitting(server, job["id"])
     family = server.family()
 

@@ -105,3 +105,31 @@ def test_projection_brings_vertices_onto_the_level_set() -> None:
     np.testing.assert_allclose(np.cross(smooth, rough), 0.0, atol=1e-9)
     leashed = project(rough, logits_and_gradient, steps=2, reach=0.001)
     assert np.linalg.norm(leashed - rough, axis=1).max() <= 0.001 + 1e-12
+
+
+def test_noise_with_every_ambiguous_cell_is_closed() -> None:
+    """White noise on the lattice has every sign pattern; the mesh closes over all of them."""
+    noise = np.random.default_rng(0).standard_normal((50, 50, 50))
+
+    def noise_at_nodes(points: np.ndarray) -> np.ndarray:
+        nodes = np.clip(np.rint((points - LOWER) / 0.05).astype(int), 0, 49)
+        return noise[tuple(nodes.T)][:, None]
+
+    (found,) = isosurfaces(noise_at_nodes, LOWER, UPPER, 0.05)
+    assert len(found.faces) > 100_000
+    assert is_watertight(SurfaceMesh(found.vertices, found.faces))
+
+
+def test_a_thin_curved_edge_has_no_handles() -> None:
+    """A crescent whose horns thin out to nothing, as a right ventricle's do."""
+
+    def crescent(points: np.ndarray) -> np.ndarray:
+        outer = 0.9 - np.linalg.norm(points * [1.0, 1.0, 0.8], axis=1)
+        inner = np.linalg.norm((points - [0.35, 0.0, 0.0]) * [1.0, 1.0, 0.8], axis=1) - 0.85
+        wobble = 0.01 * np.sin(40.0 * points[:, 2]) * np.cos(31.0 * points[:, 1])
+        return 20.0 * (np.minimum(outer, inner) + wobble)[:, None]
+
+    (found,) = isosurfaces(crescent, LOWER, UPPER, 0.04)
+    touching = np.array([[-0.9, 0.0, 0.0]])
+    vertices, faces = touched_component(found.vertices, found.faces, touching)
+    assert euler_number(SurfaceMesh(vertices, faces)) == 2
