@@ -77,8 +77,25 @@ def test_one_long_axis_slice_holds_one_direction(concentric_spheres) -> None:
     assert np.abs(within).min() > 0.01
 
 
-def test_prior_is_half_the_mean_squared_shift_in_standard_deviations(concentric_spheres) -> None:
-    shifts, _, _ = shifts_of(concentric_spheres())
-    with torch.no_grad():
-        shifts.in_plane.fill_(0.05)
-    assert shifts.negative_log_prior().item() == pytest.approx(1.0)
+def test_prior_grows_with_the_square_and_with_the_shortness_of_outlines(
+    concentric_spheres,
+) -> None:
+    study = concentric_spheres()
+    stack, _ = normalise(build_stack(study, study.frames[0]))
+    sizes = [
+        sum(np.ptp(o.points) for found in s.outlines.values() for o in found) for s in stack.slices
+    ]
+
+    def cost(slice_index: int, amount: float) -> float:
+        shifts = SliceShifts(stack, prior=0.05, limit=0.2)
+        with torch.no_grad():
+            shifts.in_plane[slice_index] = amount
+        return shifts.negative_log_prior().item()
+
+    sax = [i for i, s in enumerate(stack.slices) if s.view is View.SAX and s.outlines]
+    longest, shortest = max(sax, key=sizes.__getitem__), min(sax, key=sizes.__getitem__)
+    free = sum(s.view is View.SAX for s in stack.slices)
+    assert cost(longest, 0.0) == 0.0
+    assert cost(longest, 0.05) == pytest.approx(1.0 / free)
+    assert cost(longest, 0.1) == pytest.approx(4.0 / free)
+    assert cost(shortest, 0.05) > 3.0 * cost(longest, 0.05)
