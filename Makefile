@@ -56,7 +56,7 @@ endif
 	@$(BIN)/python -c 'import torch; raise SystemExit(torch.version.cuda is not None)' || { \
 		echo 'torch is not a CPU build (or does not load): gigabytes of GPU libraries that nothing' \
 			'here uses. Run: make clean, then name an index of CPU builds:' \
-			'make TORCH_INDEX_URL=https://download.pytorch.org/whl/cpu' >&2; exit 1; }
+			'make TORCH_INDEX_URL=<index of CPU wheels, see README>' >&2; exit 1; }
 	@touch '$(INSTALLED)'
 
 clean:

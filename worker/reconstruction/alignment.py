@@ -1,8 +1,8 @@
 """Breath-hold misregistration: one in-plane shift a short-axis slice, learned with the field.
 
 Only what the evidence holds may move. Long-axis slices stay, and hold the stack along their own
-in-plane direction; along a direction that none of them holds, the stack's common shift and its
-common shear are unobservable and are taken out.
+in-plane direction. Along a direction that none of them holds, breath-holds are told from anatomy
+by smoothness alone: shifts that vary smoothly from slice to slice are taken out.
 """
 
 import numpy as np
@@ -15,6 +15,14 @@ from worker.reconstruction.unit_stack import UnitSlice, UnitStack
 
 _HELD = 0.1
 """Least squared sine between a direction and the long-axis planes' normals to count as held."""
+
+
+_ANATOMY_DEGREE = 3
+"""Profiles along the stack up to this degree are anatomy where no long-axis slice says otherwise.
+
+A common shift (0) and shear (1) change nothing observed; the ventricles' own bend and twist (2, 3)
+look to the field like shifts, and it would straighten them.
+"""
 
 
 class SliceShifts(nn.Module):
@@ -76,7 +84,7 @@ def _outline_length(slice_: UnitSlice) -> float:
 
 
 def _unobservable(stack: UnitStack, free: list[bool]) -> np.ndarray:
-    """Orthonormal columns over (slices * 2): common shift and shear along unheld directions."""
+    """Orthonormal columns over (slices * 2): smooth profiles along unheld directions."""
     count = len(stack.slices)
     movers = np.flatnonzero(free)
     if len(movers) == 0:
@@ -85,7 +93,7 @@ def _unobservable(stack: UnitStack, free: list[bool]) -> np.ndarray:
     heights = np.array([s.origin @ normal for s in stack.slices])[movers]
     columns = []
     for direction in _unheld_directions(stack, normal):
-        for profile in (np.ones(len(movers)), heights - heights.mean()):
+        for profile in np.vander(heights, _ANATOMY_DEGREE + 1).T:
             column = np.zeros((count, 2))
             for slice_index, amount in zip(movers, profile, strict=True):
                 column[slice_index] = amount * (stack.slices[slice_index].axes @ direction)
