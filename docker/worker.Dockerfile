@@ -9,9 +9,10 @@ WORKDIR /build
 RUN python -m venv --without-pip /opt/neuralmri
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 # torch by itself and first: the general index serves a build with gigabytes of GPU libraries.
-# TORCH_INDEX_URL is an index of CPU builds; point it at a mirror where the public one is closed.
-ARG TORCH_INDEX_URL=https://download.pytorch.org/whl/cpu
-RUN grep '^torch==' constraints.txt > torch.txt \
+# TORCH_INDEX_URL names an index of CPU builds: PyTorch's own, or a mirror of it.
+ARG TORCH_INDEX_URL=
+RUN : "${TORCH_INDEX_URL:?name an index of CPU builds of torch with --build-arg TORCH_INDEX_URL=...}" \
+    && grep '^torch==' constraints.txt > torch.txt \
     && pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: --no-deps \
       --index-url "${TORCH_INDEX_URL}" --requirement torch.txt
 # Wheels only: nothing is ever compiled, so no stage needs a compiler.

@@ -109,6 +109,7 @@ def fit_field(
                     stage=Stage.FITTING,
                     level=level,
                     iteration=iteration,
+                    loss=float(total.detach()),
                 )
             )
         means = (sums / options.iterations_per_level).tolist()
