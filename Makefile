@@ -3,6 +3,7 @@
 #   make demo      a phantom heart through the whole service, into ./demo
 #   make test      every test
 #   make check     what CI runs: static checks, then every test
+#   make bench     accuracy and speed beside a classical baseline, into docs/benchmarks.md
 #   make openapi   write openapi.yaml anew from the code
 #   make clean     remove .venv, caches and ./demo
 #
@@ -19,7 +20,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))
 PYTHON ?= $(shell for p in python3 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && echo $$p && break; done)
 
-.PHONY: demo test lint check openapi install clean
+.PHONY: demo test bench lint check openapi install clean
 .DELETE_ON_ERROR:
 
 demo: install
@@ -27,6 +28,10 @@ demo: install
 
 test: install
 	$(BIN)/python -m pytest
+
+# CASES=DIR adds cases with references: DIR/*/contours.json and reference/{surface}.ply
+bench: install
+	$(BIN)/python -m benchmarks.accuracy $(if $(CASES),--cases '$(CASES)') > docs/benchmarks.md
 
 lint: install
 	$(BIN)/ruff format --check .
@@ -47,12 +52,13 @@ $(INSTALLED): pyproject.toml constraints.txt
 	@'$(or $(PYTHON),false)' -c '$(FITS)' || { \
 		echo 'neuralmri needs Python 3.11 or 3.12, and $(or $(PYTHON),python3) is not;' \
 			'name one with: make PYTHON=/path/to/python3.12' >&2; exit 1; }
-	'$(PYTHON)' -m venv '$(VENV)'
+	@echo 'Building the environment in $(VENV): a minute or two, 2 GB.'
+	@'$(PYTHON)' -m venv '$(VENV)'
 ifneq ($(TORCH_INDEX_URL),)
-	$(BIN)/python -m pip install --no-deps --constraint constraints.txt \
+	@$(BIN)/python -m pip install --quiet --no-deps --constraint constraints.txt \
 		--index-url '$(TORCH_INDEX_URL)' torch
 endif
-	$(BIN)/python -m pip install --constraint constraints.txt --editable '.[test]'
+	@$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[test]'
 	@$(BIN)/python -c 'import torch; raise SystemExit(torch.version.cuda is not None)' || { \
 		echo 'torch is not a CPU build (or does not load): gigabytes of GPU libraries that nothing' \
 			'here uses. Run: make clean, then name an index of CPU builds:' \

@@ -1,22 +1,25 @@
 """A client of the HTTP interface. A lost connection is no verdict on a job."""
 
 import hashlib
-import json
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Self, TypeVar
 
 import httpx
 from pydantic import ValidationError
 
 from cli.inputs import ContourInput, LabelInput
-from schemas.artifacts import Artifact, Manifest
-from schemas.job import Job, JobState, Progress
-from schemas.problem import Fault, InputError, InternalError, Problem, ProblemType, ServiceError
+from cli.server_errors import document_of, refusal_of
+from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
+from schemas.base import WireModel
+from schemas.job import Job, Progress
+from schemas.problem import InputError, InternalError, ProblemType
 from schemas.report import Report
+
+M = TypeVar("M", bound=WireModel)
 
 _TIMEOUT = httpx.Timeout(10.0, read=60.0, write=60.0)
 _POLL_EVERY_S = 0.5
@@ -30,7 +33,7 @@ class Client:
         self.server = server.rstrip("/")
         self._patience_s = patience_s
         # Environment proxies are for the outside; a local server is not reached through them.
-        local = httpx.URL(self.server).host in ("127.0.0.1", "localhost", "::1")
+        local = _parsed(self.server).host in ("127.0.0.1", "localhost", "::1")
         self._http = httpx.Client(base_url=self.server, timeout=_TIMEOUT, trust_env=not local)
 
     def __enter__(self) -> Self:
@@ -48,20 +51,20 @@ class Client:
         """Send a subject. Not repeated on a lost connection: it may have been accepted."""
         if isinstance(given, ContourInput):
             body = given.request.model_dump(mode="json", exclude_unset=True)
-            return Job.model_validate(self._call("POST", "/v1/jobs/contours", json=body))
+            return _fitting(Job, self._call("POST", "/v1/jobs/contours", json=body))
         request = given.request.model_dump_json(exclude_unset=True)
         with ExitStack() as opened:
             parts: dict[str, Any] = {"request": (None, request, "application/json")}
             for view, path in given.files.items():
                 file = opened.enter_context(path.open("rb"))
                 parts[view.value] = (path.name, file, "application/octet-stream")
-            return Job.model_validate(self._call("POST", "/v1/jobs/labels", files=parts))
+            return _fitting(Job, self._call("POST", "/v1/jobs/labels", files=parts))
 
     def job(self, job_id: str) -> Job:
-        return Job.model_validate(self._call("GET", f"/v1/jobs/{job_id}"))
+        return _fitting(Job, self._call("GET", f"/v1/jobs/{job_id}"))
 
     def cancel(self, job_id: str) -> Job:
-        return Job.model_validate(self._call("POST", f"/v1/jobs/{job_id}/cancel"))
+        return _fitting(Job, self._call("POST", f"/v1/jobs/{job_id}/cancel"))
 
     def wait(self, job_id: str, watch: Callable[[Progress], None]) -> Job:
         """Poll until the job has ended, and return it.
@@ -89,7 +92,7 @@ class Client:
             time.sleep(_POLL_EVERY_S)
 
     def report(self, job_id: str) -> Report:
-        return Report.model_validate(self._call("GET", f"/v1/jobs/{job_id}/report"))
+        return _fitting(Report, self._call("GET", f"/v1/jobs/{job_id}/report"))
 
     def download(self, job_id: str, out: Path) -> Manifest:
         """Fetch every artifact into `out` and check its length and SHA-256.
@@ -97,11 +100,11 @@ class Client:
         A file takes its place only once it is whole. Raises InternalError for one that is not.
         """
         listed = self._call("GET", f"/v1/jobs/{job_id}/artifacts")
-        manifest = Manifest.model_validate(listed)
+        manifest = _fitting(Manifest, listed)
         out.mkdir(parents=True, exist_ok=True)
         for artifact in manifest.artifacts:
             self._fetch(f"/v1/jobs/{job_id}/artifacts/{artifact.name}", artifact, out)
-        (out / "manifest.json").write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
+        (out / MANIFEST_NAME).write_text(manifest.model_dump_json(indent=1), encoding="utf-8")
         return manifest
 
     def _fetch(self, path: str, artifact: Artifact, out: Path) -> None:
@@ -111,7 +114,7 @@ class Client:
             with self._http.stream("GET", path) as response, part.open("wb") as file:
                 if not response.is_success:
                     response.read()
-                    raise _refusal(response)
+                    raise refusal_of(response)
                 for chunk in response.iter_bytes():
                     digest.update(chunk)
                     file.write(chunk)
@@ -133,8 +136,8 @@ class Client:
         except httpx.TransportError as error:
             raise self._unreachable(error) from error
         if not response.is_success:
-            raise _refusal(response)
-        return _document(response)
+            raise refusal_of(response)
+        return document_of(response)
 
     def _unreachable(self, error: httpx.TransportError) -> InternalError:
         return InternalError(
@@ -145,47 +148,22 @@ class Client:
         )
 
 
-def ended_badly(job: Job) -> ServiceError | None:
-    """The error that a job's end means for who waited for it; None for success."""
-    if job.state is JobState.SUCCEEDED:
-        return None
-    if job.error is not None:
-        return error_of(job.error)
-    return InputError(ProblemType.INVALID_REQUEST, f"job {job.id} was {job.state}; submit it again")
-
-
-def error_of(problem: Problem) -> ServiceError:
-    """The exception that a problem document speaks of."""
-    kind = InputError if problem.fault is Fault.CALLER else InternalError
-    name = problem.type.rpartition(":")[2]
-    known = {type_.value: type_ for type_ in ProblemType}
-    return kind(
-        known.get(name, ProblemType.INTERNAL),
-        problem.detail,
-        pointer=problem.pointer,
-        status=problem.status,
-        errors=problem.errors,
-    )
-
-
-def _document(response: httpx.Response) -> Any:
+def _parsed(server: str) -> httpx.URL:
     try:
-        return response.json()
-    except json.JSONDecodeError as error:
-        raise InternalError(
-            ProblemType.INTERNAL,
-            f"{response.url} did not answer in JSON; is it a neuralmri server?",
+        return httpx.URL(server)
+    except httpx.InvalidURL as error:
+        raise InputError(
+            ProblemType.INVALID_REQUEST,
+            f"{server!r} is no address ({error}); give one like http://127.0.0.1:8000",
         ) from error
 
 
-def _refusal(response: httpx.Response) -> ServiceError:
+def _fitting(model: type[M], document: Any) -> M:
     try:
-        problem = Problem.model_validate_json(response.content)
-    except ValidationError:
-        # Not our words: a proxy's, or another server's.
-        return InternalError(
+        return model.model_validate(document)
+    except ValidationError as error:
+        raise InternalError(
             ProblemType.INTERNAL,
-            f"{response.url} answered {response.status_code} {response.reason_phrase}; "
-            "is it a neuralmri server?",
-        )
-    return error_of(problem)
+            f"the server answered with something else than a {model.__name__.lower()}; is it a "
+            "neuralmri server, and of this version?",
+        ) from error

@@ -35,7 +35,8 @@ def demo(
     # The phantom draws on the science, which takes seconds to load.
     from cli.client import Client
     from cli.inputs import ContourInput, LabelInput
-    from cli.server import ServerPlan, free_port, running
+    from cli.ports import free_port
+    from cli.server import ServerPlan, running
     from cli.truth import phantom_truth, write_phantom_maps
     from worker.phantom.standard_study import ONE_BEAT, standard_study
 
@@ -82,8 +83,8 @@ def _folder(given: Path | None) -> Iterator[Path]:
 
 def _follow(client: "Client", name: str, job_id: str, out: Path) -> None:
     """Wait for a job, fetch its files. Raises where it did not succeed."""
-    from cli.client import ended_badly
     from cli.progress import progress_bar
+    from cli.server_errors import ended_badly
 
     with progress_bar(name, quiet=False) as bar:
         job = client.wait(job_id, bar.advanced)

@@ -1,15 +1,14 @@
-"""What `reconstruct` and `submit` are given: a contour study, or label maps, and options."""
+"""What `reconstruct` and `submit` are given, read: a contour study or label maps, and options."""
 
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, TypeVar
+from typing import TypeVar
 
-import typer
-
+from cli.input_arguments import LabelArguments
 from schemas.base import WireModel
-from schemas.labels import LabelRequest, LabelScheme, Spacing, TissueLabels
+from schemas.labels import LabelRequest, LabelScheme, TissueLabels
 from schemas.messages import ContourRequest
 from schemas.options import Options
 from schemas.problem import InputError, ProblemType
@@ -17,49 +16,6 @@ from schemas.study import ContourStudy
 from schemas.vocabulary import View
 
 M = TypeVar("M", bound=WireModel)
-
-_FILE = {"exists": True, "dir_okay": False, "readable": True}
-_MAPS = "Label maps"
-
-InputArgument = Annotated[
-    Path | None,
-    typer.Argument(metavar="INPUT", help="Contour study, or request, as JSON.", **_FILE),
-]
-OptionsFile = Annotated[
-    Path | None, typer.Option("--options", help="JSON file of options.", **_FILE)
-]
-LabelSchemeText = Annotated[
-    str | None,
-    typer.Option(
-        "--label-scheme",
-        help=f"{', '.join(LabelScheme)}, or a JSON object of label values by tissue.",
-        rich_help_panel=_MAPS,
-    ),
-]
-SaxFile = Annotated[
-    Path | None, typer.Option("--sax", help="NIfTI of the stack.", rich_help_panel=_MAPS, **_FILE)
-]
-Lax2File = Annotated[
-    Path | None, typer.Option("--lax-2ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
-]
-Lax3File = Annotated[
-    Path | None, typer.Option("--lax-3ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
-]
-Lax4File = Annotated[
-    Path | None, typer.Option("--lax-4ch", help="NIfTI.", rich_help_panel=_MAPS, **_FILE)
-]
-SubjectId = Annotated[
-    str, typer.Option("--subject-id", help="Name in the report.", rich_help_panel=_MAPS)
-]
-FrameLabels = Annotated[
-    str | None,
-    typer.Option("--frame-labels", help="One name a frame, e.g. ED,ES.", rich_help_panel=_MAPS),
-]
-SpacingChoice = Annotated[
-    Spacing,
-    typer.Option("--spacing", help="Whom to believe about the voxel size.", rich_help_panel=_MAPS),
-]
-JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document, for machines.")]
 
 
 @dataclass(frozen=True)
@@ -86,30 +42,6 @@ class LabelInput:
         return self.request.subject_id
 
 
-@dataclass(frozen=True)
-class LabelArguments:
-    """The options of the command line that speak of label maps, as given."""
-
-    scheme: str | None
-    sax: Path | None
-    lax_2ch: Path | None
-    lax_3ch: Path | None
-    lax_4ch: Path | None
-    subject_id: str
-    frame_labels: str | None
-    spacing: Spacing
-
-    @property
-    def files(self) -> dict[View, Path]:
-        given = {
-            View.SAX: self.sax,
-            View.LAX_2CH: self.lax_2ch,
-            View.LAX_3CH: self.lax_3ch,
-            View.LAX_4CH: self.lax_4ch,
-        }
-        return {view: path for view, path in given.items() if path is not None}
-
-
 def read_input(
     study_file: Path | None, maps: LabelArguments, options_file: Path | None
 ) -> ContourInput | LabelInput:
@@ -132,9 +64,9 @@ def _parsed(raw: bytes, model: type[M]) -> M:
     """By the parser of the service, with its words and limits."""
     # Loads numpy, which looks up its thread count then: not before the command has said it.
     from intake.json_body import parse_json
-    from intake.limits import Limits
+    from intake.settings import LimitSettings
 
-    return parse_json(raw, model, Limits())
+    return parse_json(raw, model, LimitSettings().limits())
 
 
 def _contours(raw: bytes, options: Options | None) -> ContourInput:

@@ -3,7 +3,9 @@
 0 done, 1 our fault, 2 bad input, 130 interrupted.
 """
 
+import errno
 import sys
+from typing import NoReturn
 
 import typer
 
@@ -15,10 +17,12 @@ from cli.reconstruct import reconstruct
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
-from schemas.problem import InputError, ServiceError
+from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 
 EXIT_OUR_FAULT = 1
 EXIT_BAD_INPUT = 2
+
+_FULL = (errno.ENOSPC, errno.EDQUOT)
 
 app = typer.Typer(
     name="neuralmri",
@@ -41,7 +45,28 @@ def main() -> None:
     try:
         app()
     except ServiceError as error:
-        complain(error, as_json="--json" in sys.argv)
-        sys.exit(EXIT_BAD_INPUT if isinstance(error, InputError) else EXIT_OUR_FAULT)
+        _fail(error)
+    except OSError as error:
+        if error.filename is None and error.errno not in _FULL:
+            raise
+        _fail(_of_file(error))
     except KeyboardInterrupt:
         sys.exit(130)
+
+
+def _fail(error: ServiceError) -> NoReturn:
+    complain(error, as_json="--json" in sys.argv)
+    sys.exit(EXIT_BAD_INPUT if isinstance(error, InputError) else EXIT_OUR_FAULT)
+
+
+def _of_file(error: OSError) -> ServiceError:
+    """A file or folder that cannot be used: nearly always one that the command line named."""
+    where = f"{error.filename}: " if error.filename else ""
+    if error.errno in _FULL:
+        return InternalError(
+            ProblemType.STORAGE_FULL, f"{where}{error.strerror}; make room and try again"
+        )
+    return InputError(
+        ProblemType.INVALID_REQUEST,
+        f"{where}{error.strerror}; choose another place, or correct its permissions",
+    )

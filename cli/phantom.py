@@ -9,7 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from cli.console import say, say_json
-from cli.slice import write_study
+from cli.slicing_arguments import (
+    LongAxisSlices,
+    Margin,
+    NoiseDeviation,
+    PointSpacing,
+    Seed,
+    ShiftDeviation,
+    SliceSpacing,
+    SubjectId,
+)
+from cli.study_file import write_study
 from schemas.messages import ContourRequest
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Axes, MeshFormat, Structure
@@ -25,22 +35,18 @@ def phantom(
     mesh_format: Annotated[
         MeshFormat, typer.Option("--format", help="Of the true surfaces.")
     ] = MeshFormat.STL,
-    spacing: Annotated[float, typer.Option(help="Between short-axis slices, mm.")] = 8.0,
-    margin: Annotated[
-        float, typer.Option(help="Slices this far beyond the surfaces, all absent, mm.")
-    ] = 0.0,
-    lax: Annotated[int, typer.Option(help="Long-axis slices: 0 to 3 (4ch, 2ch, 3ch).")] = 3,
-    point_spacing: Annotated[float, typer.Option(help="Between points of a contour, mm.")] = 1.0,
-    shift_sd: Annotated[
-        float, typer.Option(help="In-plane displacement of short-axis slices, SD, mm.")
-    ] = 0.0,
-    noise_sd: Annotated[float, typer.Option(help="Unsteadiness of the contours, SD, mm.")] = 0.0,
+    spacing: SliceSpacing = 8.0,
+    margin: Margin = 0.0,
+    lax: LongAxisSlices = 3,
+    point_spacing: PointSpacing = 1.0,
+    shift_sd: ShiftDeviation = 0.0,
+    noise_sd: NoiseDeviation = 0.0,
     shape: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="A number of the heart's shape, repeatable."),
     ] = None,
-    subject_id: Annotated[str, typer.Option(help="Name of the subject.")] = "phantom",
-    seed: Annotated[int, typer.Option(help="Seed of displacement and noise.", min=0)] = 0,
+    subject_id: SubjectId = "phantom",
+    seed: Seed = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print truth.json.")] = False,
 ) -> None:
     """Write a heart of known truth at end-diastole (ED) and end-systole (ES), LPS, mm.

@@ -3,7 +3,6 @@
 import secrets
 import shutil
 import signal
-import socket
 import subprocess
 import sysconfig
 import time
@@ -14,6 +13,7 @@ from redis import Redis
 from redis.exceptions import RedisError
 
 from cli.children import Children
+from cli.ports import free_port
 from schemas.problem import InternalError, ProblemType
 
 _STARTS_WITHIN_S = 10.0
@@ -29,7 +29,7 @@ def start_redis(data_dir: Path, children: Children) -> str:
     program = redis_program()
     data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
     for _ in range(_ATTEMPTS):
-        port, password = _free_port(), secrets.token_hex(24)
+        port, password = free_port(), secrets.token_hex(24)
         process = children.start(
             "redis",
             [program, "-"],
@@ -88,13 +88,6 @@ def _configuration(port: int, password: str, data_dir: Path) -> str:
             "",
         ]
     )
-
-
-def _free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _answers(port: int, password: str, process: "subprocess.Popen[bytes]") -> bool:

@@ -8,8 +8,7 @@ from typing import Annotated
 import typer
 
 from cli.console import say, say_json
-from cli.inputs import (
-    ContourInput,
+from cli.input_arguments import (
     FrameLabels,
     InputArgument,
     JsonFlag,
@@ -22,8 +21,8 @@ from cli.inputs import (
     SaxFile,
     SpacingChoice,
     SubjectId,
-    read_input,
 )
+from cli.inputs import ContourInput, read_input
 from cli.progress import progress_bar
 from cli.summary import print_summary
 from schemas.labels import Spacing
@@ -55,14 +54,16 @@ def reconstruct(
     given = read_input(study, maps, options)
 
     # The science, and only now: it takes seconds to load.
+    from intake.settings import LimitSettings
     from worker.artifacts.manifest import write_manifest
     from worker.reading import read_contours, read_labels
     from worker.subject import run
 
+    limits = LimitSettings().limits()
     if isinstance(given, ContourInput):
         reading, pointer = read_contours(given.request), given.pointer
     else:
-        reading, pointer = read_labels(given.files, given.request), "/study"
+        reading, pointer = read_labels(given.files, given.request, limits), "/study"
     out.mkdir(parents=True, exist_ok=True)
     # Beside its destination, so that what is there stays whole until the new is complete.
     with tempfile.TemporaryDirectory(prefix=".neuralmri-", dir=out) as folder:
@@ -77,6 +78,7 @@ def reconstruct(
                 warnings=reading.warnings,
                 observer=bar,
                 pointer=pointer,
+                limits=limits,
             )
         write_manifest(staging, finished.manifest)
         for path in staging.iterdir():

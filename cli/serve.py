@@ -27,6 +27,14 @@ def serve(
     redis_url: Annotated[
         str | None, typer.Option(help="An outside Redis, instead of a private one.")
     ] = None,
+    allow_remote: Annotated[
+        bool,
+        typer.Option(
+            "--allow-remote",
+            help="Let --host be one that other machines reach: there is no authentication, all "
+            "who reach it read and erase every job.",
+        ),
+    ] = False,
     ready_within: Annotated[
         float, typer.Option(min=1.0, help="Seconds that starting may take.")
     ] = 60.0,
@@ -42,6 +50,7 @@ def serve(
         threads=threads,
         redis_url=redis_url,
         ready_within_s=ready_within,
+        allow_remote=allow_remote,
     )
     try:
         with running(plan) as server:

@@ -3,7 +3,6 @@
 import fcntl
 import os
 import signal
-import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from types import FrameType
 import httpx
 
 from cli.children import Children, python_module
+from cli.ports import refuse_remote_host, refuse_taken_port
 from cli.private_redis import start_redis
 from schemas.problem import InputError, InternalError, ProblemType
 
@@ -33,7 +33,7 @@ class ServerPlan:
     """What to run.
 
     workers: jobs at a time. threads: of each job's arithmetic. redis_url: None for a private one.
-    ready_within_s: how long starting may take.
+    ready_within_s: how long starting may take. allow_remote: whether other machines may reach it.
     """
 
     host: str
@@ -43,6 +43,7 @@ class ServerPlan:
     threads: int = 1
     redis_url: str | None = None
     ready_within_s: float = 60.0
+    allow_remote: bool = False
 
     @property
     def url(self) -> str:
@@ -70,10 +71,13 @@ class Server:
 def running(plan: ServerPlan) -> Iterator[Server]:
     """Start everything, wait until it can finish work, and stop it in order at the end.
 
-    SIGTERM ends the block by SystemExit. Raises InputError for a port or data folder that is taken,
+    SIGTERM ends the block by SystemExit. Raises InputError for a port or data folder that is taken
+    and for a host that others reach (unless the plan allows it),
     InternalError where a process does not come up.
     """
-    _refuse_taken_port(plan)
+    if not plan.allow_remote:
+        refuse_remote_host(plan.host)
+    refuse_taken_port(plan.host, plan.port)
     signal.signal(signal.SIGTERM, _exit)
     with _sole_use_of(plan.data_dir):
         children = Children(plan.log_dir)
@@ -88,14 +92,6 @@ def running(plan: ServerPlan) -> Iterator[Server]:
             children.stop()
             signal.signal(signal.SIGTERM, signal.SIG_DFL)
             signal.signal(signal.SIGINT, signal.default_int_handler)
-
-
-def free_port() -> int:
-    """A port of the loopback that nobody listens on now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def _start(plan: ServerPlan, children: Children) -> None:
@@ -155,20 +151,6 @@ def _wait_until_ready(plan: ServerPlan, children: Children) -> None:
         f"the server was not ready within {plan.ready_within_s:g} s ({answer}); "
         f"see the logs in {plan.log_dir}",
     )
-
-
-def _refuse_taken_port(plan: ServerPlan) -> None:
-    family = socket.AF_INET6 if ":" in plan.host else socket.AF_INET
-    with socket.socket(family) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((plan.host, plan.port))
-        except OSError as error:
-            raise InputError(
-                ProblemType.INVALID_REQUEST,
-                f"cannot listen on {plan.host} port {plan.port}: {error.strerror}; "
-                "choose another with --port or --host",
-            ) from error
 
 
 @contextmanager

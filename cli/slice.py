@@ -9,8 +9,18 @@ import typer
 
 from cli.console import say, say_json
 from cli.mesh_file import read_surface
+from cli.slicing_arguments import (
+    LongAxisSlices,
+    Margin,
+    NoiseDeviation,
+    PointSpacing,
+    Seed,
+    ShiftDeviation,
+    SliceSpacing,
+    SubjectId,
+)
+from cli.study_file import write_study
 from schemas.problem import InputError, ProblemType
-from schemas.study import ContourStudy
 from schemas.vocabulary import Axes, Structure
 
 if TYPE_CHECKING:
@@ -27,24 +37,20 @@ def slice_(
         ),
     ],
     out: Annotated[Path, typer.Option(help="Where to write the contour study (JSON).")],
-    spacing: Annotated[float, typer.Option(help="Between short-axis slices, mm.")] = 8.0,
-    margin: Annotated[
-        float, typer.Option(help="Slices this far beyond the surfaces, all absent, mm.")
-    ] = 0.0,
-    lax: Annotated[int, typer.Option(help="Long-axis slices: 0 to 3 (4ch, 2ch, 3ch).")] = 3,
-    point_spacing: Annotated[float, typer.Option(help="Between points of a contour, mm.")] = 1.0,
-    shift_sd: Annotated[
-        float, typer.Option(help="In-plane displacement of short-axis slices, SD, mm.")
-    ] = 0.0,
-    noise_sd: Annotated[float, typer.Option(help="Unsteadiness of the contours, SD, mm.")] = 0.0,
+    spacing: SliceSpacing = 8.0,
+    margin: Margin = 0.0,
+    lax: LongAxisSlices = 3,
+    point_spacing: PointSpacing = 1.0,
+    shift_sd: ShiftDeviation = 0.0,
+    noise_sd: NoiseDeviation = 0.0,
     axis: Annotated[
         tuple[float, float, float] | None,
         typer.Option(metavar="X Y Z", help="From apex to base; left out, found from the LV."),
     ] = None,
     axes: Annotated[Axes, typer.Option(help="Patient axes that the meshes are in.")] = Axes.LPS,
     frame: Annotated[str, typer.Option(help="Frame of meshes whose name tells none.")] = "ED",
-    subject_id: Annotated[str, typer.Option(help="Name of the subject.")] = "sliced",
-    seed: Annotated[int, typer.Option(help="Seed of displacement and noise.", min=0)] = 0,
+    subject_id: SubjectId = "sliced",
+    seed: Seed = 0,
     shifts_out: Annotated[
         Path | None, typer.Option(help="Where to write the true displacements (JSON, mm).")
     ] = None,
@@ -76,12 +82,6 @@ def slice_(
     else:
         found = ", ".join(f"{label}: {count} slices" for label, count in counts.items())
         say(f"{out}  {found}")
-
-
-def write_study(path: Path, study: ContourStudy) -> None:
-    """The study as compact JSON, what it leaves open left out."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(study.model_dump_json(exclude_none=True) + "\n", encoding="utf-8")
 
 
 def _frames(named: Iterable[str], default_label: str) -> dict[str, dict[Structure, "SurfaceMesh"]]:

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from cli.console import notice_console, say, say_json
-from cli.inputs import (
+from cli.input_arguments import (
     FrameLabels,
     InputArgument,
     JsonFlag,
@@ -19,8 +19,8 @@ from cli.inputs import (
     SaxFile,
     SpacingChoice,
     SubjectId,
-    read_input,
 )
+from cli.inputs import read_input
 from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 
@@ -46,8 +46,9 @@ def submit(
     as_json: JsonFlag = False,
 ) -> None:
     """Send one subject to a server; with --wait follow it and fetch the results."""
-    from cli.client import Client, ended_badly
+    from cli.client import Client
     from cli.progress import progress_bar
+    from cli.server_errors import ended_badly
     from cli.summary import print_summary
 
     if out is not None and not wait:

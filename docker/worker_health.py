@@ -7,13 +7,13 @@ that is there but no longer consumes is unhealthy.
 import socket
 import sys
 
-from jobs.records import JobRecords
+from jobs.live_workers import LiveWorkers
 from jobs.redis_client import make_redis
 from jobs.settings import JobSettings
 
 settings = JobSettings()
 name = f"celery@{socket.gethostname()}"
 with make_redis(settings.redis_url, settings.redis_timeout_s) as redis:
-    alive = JobRecords(redis).live_workers(settings.worker_alive_s)
+    alive = LiveWorkers(redis).names(settings.worker_alive_s)
 if name not in alive:
     sys.exit(f"{name} has given no sign of life for {settings.worker_alive_s:g} s")

@@ -15,7 +15,8 @@ MAX_KEYS = 1000
 
 _FEWER_POINTS = "resample the contours to 100 to 300 points each, or send fewer frames a job"
 
-_STRING = re.compile(rb'"[^"\\]*(?:\\.[^"\\]*)*"?', re.DOTALL)
+# Possessive: megabytes of backslashes cost a scan, and no memory of where to go back to.
+_STRING = re.compile(rb'"(?:[^"\\]++|\\.)*+"?', re.DOTALL)
 _CONSTANT = re.compile(r'"[^"\\]*(?:\\.[^"\\]*)*"?|(-?Infinity|NaN)', re.DOTALL)
 _NOT_BRACKETS = bytes(set(range(256)) - set(b"[]{}"))
 

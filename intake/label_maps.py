@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 from intake.inflate import Source
 from intake.limits import Limits
-from intake.nifti_header import NiftiHeader, read_nifti_header
+from intake.nifti_file import read_nifti_header
+from intake.nifti_header import NiftiHeader
 from intake.voxel_size import VoxelGeometry, check_voxel_size
 from schemas.labels import LabelRequest, TissueLabels
 from schemas.problem import InputError, ProblemType

@@ -1,13 +1,13 @@
-"""The header of a NIfTI label map, read and judged at the door by the standard library alone."""
+"""The header of a NIfTI label map, judged at the door by the standard library alone."""
 
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from intake.inflate import Source, read_head, verify
-from intake.limits import Limits
+from intake.label_map_faults import unreadable, unsupported
 from intake.nifti_layout import EXTENDER_BYTES, HEADER_BYTES, raw_fields
-from schemas.problem import InputError, ProblemType
+
+DAMAGED_REMEDY = "the file is cut short or its header is wrong; export it anew"
 
 Row = tuple[float, float, float, float]
 
@@ -64,36 +64,23 @@ class NiftiHeader:
     @property
     def inflated_bytes(self) -> int:
         """Size of the whole file before compression, header included."""
-        return self.vox_offset + math.prod(self.shape) * self.frames * self.voxel_bytes
+        return self.vox_offset + self.voxels * self.voxel_bytes
 
+    @property
+    def voxels(self) -> int:
+        """Voxels of all frames together."""
+        return math.prod(self.shape) * self.frames
 
-def read_nifti_header(source: Source, limits: Limits, pointer: str) -> NiftiHeader:
-    """Read a header, judge it, and hold the file against it by inflating it once, piecewise.
-
-    `pointer` names the file part in what is raised. Sizes are judged before a voxel is inflated.
-
-    Raises:
-        InputError: `UNREADABLE_LABEL_MAP` (not NIfTI, damaged, or of another size than its header
-            says), `UNSUPPORTED_LABEL_MAP` (Analyze, header and image in two files, wrong
-            dimensions or data type), `TOO_LARGE` (413).
-    """
-    header = parse_nifti_header(read_head(source, HEADER_BYTES[2], pointer), pointer)
-    _check_size(header, limits, pointer)
-    held = verify(source, limits.max_inflated_bytes, pointer)
-    if held != header.inflated_bytes:
-        raise _unreadable(
-            f"the header promises {header.inflated_bytes} bytes ({_describe(header)}) and the file "
-            f"holds {held}",
-            pointer,
-        )
-    return header
+    def __str__(self) -> str:
+        return f"{_times((*self.shape, self.frames))} voxels of {self.data_type}"
 
 
 def parse_nifti_header(head: bytes, pointer: str) -> NiftiHeader:
     """The header in `head`, the first 540 bytes of an inflated file or all there are.
 
     Raises:
-        InputError: as `read_nifti_header`, but for what takes the rest of the file to know.
+        InputError: `UNREADABLE_LABEL_MAP` (not NIfTI, or damaged); `UNSUPPORTED_LABEL_MAP`
+            (Analyze, header and image in two files, wrong dimensions or data type).
     """
     raw = raw_fields(head, pointer)
     shape, frames = _dimensions(raw.dim, pointer)
@@ -118,21 +105,21 @@ def parse_nifti_header(head: bytes, pointer: str) -> NiftiHeader:
 def _dimensions(dim: Sequence[int], pointer: str) -> tuple[tuple[int, int, int], int]:
     count, sizes = dim[0], dim[1:]
     if not 1 <= count <= 7:
-        raise _unreadable(f"the header counts {count} dimensions", pointer)
+        raise unreadable(pointer, f"the header counts {count} dimensions", DAMAGED_REMEDY)
     used = sizes[:count]
     if any(n < 1 for n in used):
-        raise _unreadable(f"the header gives the dimensions {_times(used)}", pointer)
+        raise unreadable(pointer, f"the header gives the dimensions {_times(used)}", DAMAGED_REMEDY)
     if count < 3:
-        raise _unsupported(
+        raise unsupported(
+            pointer,
             f"it has {count} dimensions",
             "store the slice as x, y, 1 with the affine of its plane",
-            pointer,
         )
     if any(n != 1 for n in used[4:]):
-        raise _unsupported(
+        raise unsupported(
+            pointer,
             f"it has the dimensions {_times(used)}; a label map has three, or four with time last",
             "store one label a voxel, without a vector or channel axis",
-            pointer,
         )
     return (sizes[0], sizes[1], sizes[2]), sizes[3] if count > 3 else 1
 
@@ -142,9 +129,11 @@ def _voxel_type(code: int, pointer: str) -> tuple[str, int]:
         return _TYPES[code]
     name = _REFUSED_TYPES.get(code)
     if name is None:
-        raise _unreadable(f"the header names no data type of NIfTI ({code})", pointer)
-    raise _unsupported(
-        f"its voxels are {name}", "store the labels as integers, uint8 for preference", pointer
+        raise unreadable(
+            pointer, f"the header names no data type of NIfTI ({code})", DAMAGED_REMEDY
+        )
+    raise unsupported(
+        pointer, f"its voxels are {name}", "store the labels as integers, uint8 for preference"
     )
 
 
@@ -152,9 +141,10 @@ def _voxel_offset(offset: float, version: int, pointer: str) -> int:
     """Where the voxels begin, in bytes from the start of the file."""
     least = HEADER_BYTES[version] + EXTENDER_BYTES
     if not math.isfinite(offset) or offset < least or offset != int(offset):
-        raise _unreadable(
-            f"the header puts the voxels at byte {offset:g}, and they begin at {least} or later",
+        raise unreadable(
             pointer,
+            f"the header puts the voxels at byte {offset:g}, and they begin at {least} or later",
+            DAMAGED_REMEDY,
         )
     return int(offset)
 
@@ -170,44 +160,5 @@ def _rows(numbers: Sequence[float]) -> tuple[Row, Row, Row]:
     return (a, b, c, d), (e, f, g, h), (i, j, k, m)
 
 
-def _check_size(header: NiftiHeader, limits: Limits, pointer: str) -> None:
-    voxels = math.prod(header.shape) * header.frames
-    for found, limit, what in (
-        (header.frames, limits.max_frames, "frames"),
-        (voxels, limits.max_voxels, "voxels"),
-        (header.inflated_bytes, limits.max_inflated_bytes, "bytes"),
-    ):
-        if found > limit:
-            raise InputError(
-                ProblemType.TOO_LARGE,
-                f"`{pointer}` holds {found} {what} by its header ({_describe(header)}); at most "
-                f"{limit} are accepted. Remedy: crop it to the heart, store the labels as uint8, "
-                "or send fewer frames a job.",
-                pointer=pointer,
-                status=413,
-            )
-
-
-def _describe(header: NiftiHeader) -> str:
-    return f"{_times((*header.shape, header.frames))} voxels of {header.data_type}"
-
-
 def _times(sizes: Sequence[int]) -> str:
     return " x ".join(map(str, sizes))
-
-
-def _unreadable(how: str, pointer: str) -> InputError:
-    return InputError(
-        ProblemType.UNREADABLE_LABEL_MAP,
-        f"`{pointer}` cannot be read: {how}. Remedy: the file is cut short or its header is "
-        "wrong; export it anew.",
-        pointer=pointer,
-    )
-
-
-def _unsupported(what: str, remedy: str, pointer: str) -> InputError:
-    return InputError(
-        ProblemType.UNSUPPORTED_LABEL_MAP,
-        f"`{pointer}` is no label map: {what}. Remedy: {remedy}.",
-        pointer=pointer,
-    )

@@ -7,7 +7,10 @@ import struct
 from dataclasses import dataclass
 from typing import Any
 
+from intake.label_map_faults import unreadable
 from schemas.problem import InputError, ProblemType
+
+_REMEDY = "send a .nii or .nii.gz file (NIfTI-1 or NIfTI-2)"
 
 HEADER_BYTES = {1: 348, 2: 540}
 EXTENDER_BYTES = 4
@@ -91,7 +94,7 @@ def _recognise(head: bytes, pointer: str) -> tuple[int, str]:
             if head[:4] != struct.pack(order + "i", size):
                 continue
             if len(head) < size:
-                raise _unreadable(f"it ends inside its {size}-byte header", pointer)
+                raise unreadable(pointer, f"it ends inside its {size}-byte header", _REMEDY)
             single, pair = _MAGICS[version]
             at = _MAGIC_AT[version]
             magic = head[at : at + len(single)]
@@ -106,7 +109,7 @@ def _recognise(head: bytes, pointer: str) -> tuple[int, str]:
                 "single file, with `nibabel.save(nibabel.load('name.img'), 'labels.nii.gz')`.",
                 pointer=pointer,
             )
-    raise _unreadable(_what_it_is(head), pointer)
+    raise unreadable(pointer, _what_it_is(head), _REMEDY)
 
 
 def _what_it_is(head: bytes) -> str:
@@ -114,12 +117,3 @@ def _what_it_is(head: bytes) -> str:
         if head[at : at + len(magic)] == magic:
             return f"it is {name}"
     return "it is empty" if not head else "it does not begin with a NIfTI header"
-
-
-def _unreadable(how: str, pointer: str) -> InputError:
-    return InputError(
-        ProblemType.UNREADABLE_LABEL_MAP,
-        f"`{pointer}` is not a readable NIfTI label map: {how}. "
-        "Remedy: send a .nii or .nii.gz file (NIfTI-1 or NIfTI-2).",
-        pointer=pointer,
-    )

@@ -13,12 +13,6 @@ MIN_PLANES = 2
 """Distinct planes that a surface must be outlined on."""
 
 
-def supported_surfaces(study: ContourStudy) -> list[Structure]:
-    """The surfaces that at least one frame supports, in the vocabulary's order."""
-    counts = [planes_of(frame) for frame in study.frames]
-    return [s for s in Structure if any(c.get(s, 0) >= MIN_PLANES for c in counts)]
-
-
 def frame_surfaces(frame: Frame, options: Options) -> list[Structure]:
     """The surfaces to reconstruct in `frame`: those it supports, and of these those requested.
 

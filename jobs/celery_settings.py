@@ -36,6 +36,9 @@ def celery_settings(settings: JobSettings) -> dict[str, Any]:
         "task_acks_on_failure": True,
         "task_acks_on_timeout": True,
         "worker_prefetch_multiplier": 1,
+        # A Redis that refuses a write (its disk or its memory is full) is waited for like one that
+        # is away. Otherwise the refusal of one acknowledgement ends the whole worker.
+        "broker_channel_error_retry": True,
         # A job outlives a broken connection: its lease says that it is being worked on.
         "worker_cancel_long_running_tasks_on_connection_loss": False,
         "task_soft_time_limit": settings.soft_time_limit_s,

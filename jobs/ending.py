@@ -1,10 +1,16 @@
 """Ends that no worker brings about: cancellation and erasure."""
 
+import logging
+
+from redis.exceptions import RedisError
+
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.records import JobRecords
 from schemas.job import Job, JobState
 from schemas.messages import Outcome
+
+_LOGGER = logging.getLogger(__name__)
 
 
 def cancel(folder: JobFolder, records: JobRecords) -> JobState | None:
@@ -48,8 +54,15 @@ def settle(folder: JobFolder, records: JobRecords, job: Job) -> JobState | None:
 def erase(folder: JobFolder, records: JobRecords) -> None:
     """Remove a job: its worker is told to stop, inputs and results go, then the record.
 
-    In this order, so that a record without a folder always means an erased job. Idempotent.
+    In this order, so that a record without a folder always means an erased job. Redis is not
+    needed: one that fails may be waiting for the very space that this frees. The reconciler forgets
+    the record then, and the worker finds its lease lost. Idempotent.
     """
-    records.request_cancel(folder.job_id)
-    folder.erase()
-    records.forget(folder.job_id)
+    try:
+        try:
+            records.request_cancel(folder.job_id)
+        finally:
+            folder.erase()
+        records.forget(folder.job_id)
+    except RedisError as error:
+        _LOGGER.warning("job %s was erased, its record not yet: %s", folder.job_id, error)

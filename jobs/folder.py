@@ -21,12 +21,11 @@ from typing import BinaryIO
 
 from jobs.durable import sync_folder, sync_tree, write_durably
 from jobs.errors import AlreadyPublished, JobGone
-from schemas.artifacts import Manifest
+from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.messages import JobRequest, Outcome
 
 NEW_PREFIX = ".new-"
 ERASED_PREFIX = ".erased-"
-MANIFEST_NAME = "manifest.json"
 
 Source = Path | bytes | BinaryIO
 """An input to copy: a file by path, its bytes, or an open file that is read from its start."""
@@ -139,15 +138,15 @@ class JobFolder:
         draft = self.path / f".outcome-{os.getpid()}-{os.urandom(6).hex()}"
         try:
             write_durably(draft, outcome.model_dump_json().encode())
-            try:
-                os.link(draft, self.path / "outcome.json")
-            except FileExistsError:
-                return Outcome.model_validate_json(self._read("outcome.json"))
-            finally:
-                draft.unlink()
+            os.link(draft, self.path / "outcome.json")
             sync_folder(self.path)
+        except FileExistsError:
+            return Outcome.model_validate_json(self._read("outcome.json"))
         except FileNotFoundError as error:
             raise JobGone(f"job {self.job_id} was erased") from error
+        finally:
+            # There also where the disk was full in the middle of it.
+            draft.unlink(missing_ok=True)
         return outcome
 
     def outcome(self) -> Outcome | None:

@@ -21,18 +21,17 @@ from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
 from jobs.index import ANY_OWNER, index_key, move_in_index
 from jobs.record import Record
+from jobs.redis_clock import now_us
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
 ANONYMOUS = "anonymous"
 
-_WORKERS = "neuralmri:workers"
-
 _Step = Callable[[Record | None, int], Record | None]
 
 
 class JobRecords:
-    """Jobs by id, in order, by owner and state; and the workers that are alive."""
+    """Jobs by id, in order, by owner and state."""
 
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
@@ -181,19 +180,6 @@ class JobRecords:
         """Remove every trace of the job. Nothing happens where there is none."""
         self._step(job_id, lambda _record, _now_us: None)
 
-    def heartbeat(self, worker_name: str) -> None:
-        """Say that a worker is alive and taking jobs."""
-        self._redis.zadd(_WORKERS, {worker_name: self._now_us() / 1e6})
-
-    def live_workers(self, within_s: float = 30.0) -> list[str]:
-        """Names of the workers whose last heartbeat is no older than `within_s`."""
-        oldest = self._now_us() / 1e6 - within_s
-        self._redis.zremrangebyscore(_WORKERS, "-inf", oldest - 3600.0)
-        return sorted(cast(list[str], self._redis.zrangebyscore(_WORKERS, oldest, "+inf")))
-
-    def _now_us(self) -> int:
-        return _now_us(self._redis)
-
     def _step(self, job_id: str, step: _Step) -> Record | None:
         """Take a step on a job's record and return what it is then; None is no record.
 
@@ -205,7 +191,7 @@ class JobRecords:
             while True:
                 cast(Any, pipe).watch(key)  # redis-py gives it no types
                 before = _read(pipe, job_id)
-                after = step(before, _now_us(pipe))
+                after = step(before, now_us(pipe))
                 if after == before:
                     return after
                 pipe.multi()
@@ -228,8 +214,3 @@ def _key(job_id: str) -> str:
 def _read(redis: Redis | Pipeline, job_id: str) -> Record | None:
     fields = cast(dict[str, str], redis.hgetall(_key(job_id)))
     return Record.of_fields(job_id, fields) if fields else None
-
-
-def _now_us(redis: Redis | Pipeline) -> int:
-    seconds, microseconds = redis.time()
-    return seconds * 1_000_000 + microseconds

@@ -1,5 +1,6 @@
 """All job folders under one root, and the ids that name them."""
 
+import contextlib
 import os
 import re
 import secrets
@@ -55,9 +56,12 @@ class JobStore:
         probe = self.root / f".probe-{secrets.token_hex(6)}"
         try:
             probe.write_bytes(b"x")
-            probe.unlink()
         except OSError:
             return False
+        finally:
+            # A full disk still takes the name of a file, though not its byte.
+            with contextlib.suppress(OSError):
+                probe.unlink()
         return True
 
     def sweep(self) -> None:
@@ -65,7 +69,14 @@ class JobStore:
         oldest = time.time() - _ABANDONED_AFTER_S
         for entry in os.scandir(self.root):
             erased = entry.name.startswith(ERASED_PREFIX)
-            stale = entry.name.startswith(NEW_PREFIX)
-            if erased or (stale and entry.stat(follow_symlinks=False).st_mtime < oldest):
+            if erased or (entry.name.startswith(NEW_PREFIX) and _made_before(entry, oldest)):
                 # Another process may be erasing the same folder.
                 shutil.rmtree(entry.path, ignore_errors=True)
+
+
+def _made_before(entry: "os.DirEntry[str]", instant: float) -> bool:
+    """Whether the entry is older; one that was renamed since it was listed is not."""
+    try:
+        return entry.stat(follow_symlinks=False).st_mtime < instant
+    except FileNotFoundError:
+        return False

@@ -57,7 +57,11 @@ def finished(record: Record | None, token: int, outcome: Outcome) -> Record:
     """Ended by its worker. Saying it twice with one token is saying it once."""
     if record and record.token == token and record.state is outcome.state:
         return record
-    return _held(record, token).to(outcome.state).ended(outcome)
+    held = _held(record, token)
+    if held.state is JobState.QUEUED and outcome.state is JobState.SUCCEEDED:
+        # The work was done: by the last attempt allowed, lost before it could say so.
+        held = held.to(JobState.RUNNING)
+    return held.to(outcome.state).ended(outcome)
 
 
 def released(record: Record | None, token: int, now_us: int) -> Record:

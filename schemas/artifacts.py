@@ -7,6 +7,8 @@ from pydantic import Field
 from schemas.base import WireModel
 from schemas.vocabulary import Axes
 
+MANIFEST_NAME = "manifest.json"
+
 
 class Artifact(WireModel):
     """One file of a job's results."""

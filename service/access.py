@@ -7,6 +7,7 @@ from fastapi import Depends, Request
 
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
+from jobs.live_workers import LiveWorkers
 from jobs.queue import JobQueue
 from jobs.records import ANONYMOUS, JobRecords
 from jobs.redis_client import make_redis
@@ -18,12 +19,13 @@ from service.settings import ServiceSettings
 
 @dataclass(frozen=True)
 class JobAccess:
-    """Folders, records and queue of one service process."""
+    """Folders, records, queue and workers, as one service process knows them."""
 
     settings: ServiceSettings
     store: JobStore
     records: JobRecords
     queue: JobQueue
+    workers: LiveWorkers
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
@@ -33,7 +35,12 @@ class JobAccess:
             store=JobStore(settings.jobs_dir),
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
+            workers=LiveWorkers(redis),
         )
+
+    def live_workers(self) -> list[str]:
+        """Names of the workers that take jobs now. Raises RedisError."""
+        return self.workers.names(self.settings.worker_alive_s)
 
     def folder(self, job_id: str) -> JobFolder:
         """The folder of a job that exists. Raises InputError (not found, 404)."""

@@ -43,7 +43,9 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))
-    app.add_middleware(BodyLimit, max_bytes=settings.max_request_bytes)
+    app.add_middleware(
+        BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s
+    )
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
     return app

@@ -32,16 +32,19 @@ async def receive_label_upload(request: Request) -> AsyncIterator[LabelUpload]:
     """
     require_media_type(request, "multipart/form-data")
     async with request.form(
-        max_files=len(FILE_VIEWS) + 1, max_fields=1, max_part_size=_MAX_JSON_BYTES
+        max_files=len(FILE_VIEWS) + 1,
+        max_fields=len(FILE_VIEWS) + 1,  # views sent as text are refused by name, below
+        max_part_size=_MAX_JSON_BYTES,
     ) as form:
         parts = form.multi_items()
         _check_names([name for name, _ in parts])
         body = form[REQUEST_PART]
         if isinstance(body, UploadFile):
             # `curl -F 'request=@request.json'` sends the JSON as a file; that is welcome too.
-            raw = await body.read(_MAX_JSON_BYTES)
+            raw = await body.read(_MAX_JSON_BYTES + 1)
         else:
             raw = body.encode()
+        _check_length(raw)
         files = {
             View(name): part.file
             for name, part in parts
@@ -65,6 +68,17 @@ def _check_names(names: list[str]) -> None:
     if REQUEST_PART not in names:
         faults.append(ProblemPart(pointer=REQUEST_PART, detail="missing"))
     _refuse(faults)
+
+
+def _check_length(raw: bytes) -> None:
+    if len(raw) > _MAX_JSON_BYTES:
+        raise InputError(
+            ProblemType.TOO_LARGE,
+            f"part `{REQUEST_PART}` has more than {_MAX_JSON_BYTES} bytes. Remedy: send nothing "
+            "but subject, label scheme and options in it.",
+            pointer=REQUEST_PART,
+            status=413,
+        )
 
 
 def _check_files(files: dict[View, BinaryIO], names: list[str]) -> None:

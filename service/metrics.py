@@ -72,7 +72,7 @@ class JobMetrics(Collector):
         try:
             counts = self._access.records.counts()
             depth = self._access.queue.depth()
-            workers = self._access.records.live_workers(self._access.settings.worker_alive_s)
+            workers = self._access.live_workers()
         except RedisError:
             up.add_metric([], 0.0)
             yield up

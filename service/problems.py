@@ -9,6 +9,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from redis.exceptions import RedisError
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.routing import compile_path
 
@@ -85,6 +86,8 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
     def service_error(request: Request, raised: Exception) -> Response:
         error = cast(ServiceError, raised)
         headers = again if error.status in (503, 507) else {}
+        if error.status in (408, 413):  # the rest of the body is not read
+            headers = {"Connection": "close"}
         if isinstance(error, NotReadyError) and error.retry_after_s is not None:
             headers = {"Retry-After": str(error.retry_after_s)}
         if error.type is ProblemType.INTERNAL:
@@ -143,6 +146,11 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
         failure.__cause__ = error
         return service_error(request, failure)
 
+    def client_gone(_request: Request, _error: Exception) -> Response:
+        # Its body stopped half way. Nobody reads the answer, and a log full of tracebacks would
+        # be easily had.
+        return Response(status_code=400)
+
     def unexpected(request: Request, error: Exception) -> Response:
         # Starlette raises it again for the server's log; the caller learns nothing about us.
         return problem_response(problem_of_status(500, None, request.url.path))
@@ -153,6 +161,7 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
     app.add_exception_handler(RedisError, redis_error)
     app.add_exception_handler(JobGone, job_gone)
     app.add_exception_handler(OSError, storage_error)
+    app.add_exception_handler(ClientDisconnect, client_gone)
     app.add_exception_handler(Exception, unexpected)
 
 

@@ -2,18 +2,15 @@
 
 from pydantic import Field
 
-from intake.limits import Limits
+from intake.settings import LimitSettings
 from jobs.settings import JobSettings
 
 
-class ServiceSettings(JobSettings):
+class ServiceSettings(LimitSettings, JobSettings):
     """What the API needs beside the settings it shares with the workers. Read once a process."""
 
-    max_request_bytes: int = Field(
-        default=Limits.max_request_bytes,
-        ge=1024,
-        le=2**30,
-        description="Bytes of one request's body, all parts together.",
+    body_within_s: float = Field(
+        default=300.0, gt=0.0, le=3600.0, description="How long one body may take to arrive."
     )
     poll_after_s: int = Field(
         default=2, ge=1, le=3600, description="What `Retry-After` tells a caller who polls a job."
@@ -21,6 +18,3 @@ class ServiceSettings(JobSettings):
     retry_after_s: int = Field(
         default=10, ge=1, le=3600, description="What `Retry-After` tells a caller we had to fail."
     )
-
-    def limits(self) -> Limits:
-        return Limits(max_request_bytes=self.max_request_bytes)

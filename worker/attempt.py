@@ -63,11 +63,11 @@ def attempt(job_id: str, desk: Desk) -> None:
     with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
         ending = _Ending(folder, desk.records, claim, lease)
         try:
-            if claim.refusal is Refusal.EXHAUSTED:
-                ending.failed(worker_lost(job_id, settings.max_attempts))
-            elif folder.manifest() is not None:
-                # An earlier attempt published its results and died before it could say so.
+            if folder.manifest() is not None:
+                # An earlier attempt, the last one too, published and died before it could say so.
                 ending.write(JobState.SUCCEEDED)
+            elif claim.refusal is Refusal.EXHAUSTED:
+                ending.failed(worker_lost(job_id, settings.max_attempts))
             else:
                 _work(folder, desk, lease, ending)
         except JobGone:
@@ -95,6 +95,8 @@ def _work(folder: JobFolder, desk: Desk, lease: Lease, ending: "_Ending") -> Non
         if not folder.exists():
             raise JobGone(f"job {job_id} was erased") from error
         _LOGGER.exception("job %s failed", job_id)
+        # First, for where the disk is full its space is what saying so needs.
+        shutil.rmtree(staging, ignore_errors=True)
         ending.failed(problem_of(error, job_id))
     finally:
         # Gone already where it was published, or where the job was erased.

@@ -1,5 +1,7 @@
 """How an attempt that went wrong is told to the caller: never a traceback, always what to do."""
 
+import errno
+
 from schemas.problem import InternalError, Problem, ProblemType, ServiceError
 
 
@@ -14,6 +16,14 @@ def problem_of(error: Exception, job_id: str) -> Problem:
             "raise `mesh.grid_mm`.",
             job_id,
         )
+    if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+        full = InternalError(
+            ProblemType.STORAGE_FULL,
+            f"Job {job_id} was computed, but the store is too full for its results. Erase jobs "
+            "that are no longer needed, then send it again.",
+            status=507,
+        )
+        return full.problem(instance=_instance(job_id))
     return _ours(
         ProblemType.INTERNAL,
         f"Job {job_id} failed for a reason that the service did not foresee; it is in the "

@@ -7,7 +7,7 @@ from celery import bootsteps
 from celery.worker.consumer.tasks import Tasks
 from redis.exceptions import RedisError
 
-from jobs.records import JobRecords
+from jobs.live_workers import LiveWorkers
 from jobs.redis_client import make_redis
 from worker.settings import WorkerSettings
 
@@ -16,7 +16,7 @@ _LOGGER = logging.getLogger(__name__)
 
 def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
     """A step of Celery's consumer that beats while the consumer is connected and taking tasks."""
-    records = JobRecords(make_redis(settings.redis_url, settings.redis_timeout_s))
+    workers = LiveWorkers(make_redis(settings.redis_url, settings.redis_timeout_s))
 
     class Heartbeat(bootsteps.StartStopStep):  # type: ignore[misc]  # celery ships no types
         """Beats once at the start and then every few seconds, until the consumer stops."""
@@ -28,9 +28,9 @@ def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
             self._timer_entry: Any = None
 
         def start(self, consumer: Any) -> None:
-            _beat(records, consumer.hostname)
+            _beat(workers, consumer.hostname)
             self._timer_entry = consumer.timer.call_repeatedly(
-                settings.heartbeat_every_s, _beat, (records, consumer.hostname)
+                settings.heartbeat_every_s, _beat, (workers, consumer.hostname)
             )
 
         def stop(self, consumer: Any) -> None:
@@ -41,8 +41,8 @@ def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
     return Heartbeat
 
 
-def _beat(records: JobRecords, worker_name: str) -> None:
+def _beat(workers: LiveWorkers, worker_name: str) -> None:
     try:
-        records.heartbeat(worker_name)
+        workers.heartbeat(worker_name)
     except RedisError as error:
         _LOGGER.warning("the heartbeat was not recorded: %s", error)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from intake.limits import Limits
 from jobs.folder import JobFolder
 from schemas.artifacts import Manifest
 from schemas.job import Progress, Stage
@@ -10,10 +11,12 @@ from worker.reconstruction.observer import Observer
 from worker.subject import run
 
 
-def produce(folder: JobFolder, out_dir: Path, observer: Observer, *, threads: int) -> Manifest:
+def produce(
+    folder: JobFolder, out_dir: Path, observer: Observer, *, threads: int, limits: Limits
+) -> Manifest:
     """Compute what the job asks for into `out_dir`. Raises as `read_job` and `run` do."""
     observer.advanced(Progress(stage=Stage.READING))
-    reading = read_job(folder)
+    reading = read_job(folder, limits)
     finished = run(
         reading.study,
         reading.options,
@@ -22,5 +25,6 @@ def produce(folder: JobFolder, out_dir: Path, observer: Observer, *, threads: in
         input_sha256=reading.input_sha256,
         warnings=reading.warnings,
         observer=observer,
+        limits=limits,
     )
     return finished.manifest

@@ -25,14 +25,14 @@ class Reading:
     input_sha256: str
 
 
-def read_job(folder: JobFolder) -> Reading:
+def read_job(folder: JobFolder, limits: Limits) -> Reading:
     """Read a job's request and inputs. Raises JobGone, or InputError for unusable label maps."""
     request = folder.request()
     if request.contours is not None:
         return read_contours(request.contours)
     if request.labels is not None:
         files = {view: folder.input_path(name) for view, name in request.files.items()}
-        return read_labels(files, request.labels)
+        return read_labels(files, request.labels, limits)
     raise ValueError(f"job {request.job_id} asks for nothing")
 
 
@@ -41,7 +41,7 @@ def read_contours(request: ContourRequest) -> Reading:
     return Reading(request.study, request.options, (), study_sha256(request.study))
 
 
-def read_labels(files: Mapping[View, Path], request: LabelRequest) -> Reading:
+def read_labels(files: Mapping[View, Path], request: LabelRequest, limits: Limits) -> Reading:
     """The contour study in a set of label maps. Raises InputError."""
-    study, warnings = read_label_maps(files, request, Limits())
+    study, warnings = read_label_maps(files, request, limits)
     return Reading(study, request.options, tuple(warnings), label_maps_sha256(files, request))

@@ -2,10 +2,11 @@
 
 from pydantic import Field
 
+from intake.settings import LimitSettings
 from jobs.settings import JobSettings
 
 
-class WorkerSettings(JobSettings):
+class WorkerSettings(LimitSettings, JobSettings):
     """What a worker needs beyond what it shares with the service. Read once a process."""
 
     threads: int = Field(

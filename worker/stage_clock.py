@@ -1,19 +1,21 @@
 """An observer that takes the time of each stage and passes everything on."""
 
 import time
+from collections.abc import Callable
 
 from schemas.job import Progress, Stage
 from worker.reconstruction.observer import Observer
 
 
 class StageClock:
-    """Wall time by stage, from the progress that goes through it."""
+    """Wall time by stage, from the progress that goes through it. `now_s` is read for seconds."""
 
-    def __init__(self, observer: Observer) -> None:
+    def __init__(self, observer: Observer, now_s: Callable[[], float] = time.perf_counter) -> None:
         self._observer = observer
+        self._now_s = now_s
         self._seconds: dict[Stage, float] = {}
         self._stage: Stage | None = None
-        self._since_s = self._started_s = time.perf_counter()
+        self._since_s = self._started_s = now_s()
 
     def advanced(self, progress: Progress) -> None:
         if progress.stage is not self._stage:
@@ -31,7 +33,7 @@ class StageClock:
         return {**timings, "total": round(self._since_s - self._started_s, 3)}
 
     def _close(self) -> None:
-        now_s = time.perf_counter()
+        now_s = self._now_s()
         if self._stage is not None:
             spent_s = self._seconds.get(self._stage, 0.0)
             self._seconds[self._stage] = spent_s + now_s - self._since_s

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from intake.study import admit
+from intake.limits import Limits
+from intake.study import DEFAULT_LIMITS, admit
 from schemas.artifacts import Manifest
 from schemas.job import Progress, Stage
 from schemas.options import Options
@@ -46,6 +47,7 @@ def run(
     warnings: Sequence[str] = (),
     observer: Observer | None = None,
     pointer: str = "/study",
+    limits: Limits = DEFAULT_LIMITS,
 ) -> Finished:
     """Admit, reconstruct, measure and write one subject.
 
@@ -58,6 +60,7 @@ def run(
         warnings: What was noticed on the way to the study, for the report.
         observer: Told of progress, asked whether to stop.
         pointer: Where the study stands in what the caller sent, "" for a document of its own.
+        limits: Counts that the study may reach.
 
     Raises:
         InputError: the study cannot be reconstructed; the detail names the remedy.
@@ -66,7 +69,7 @@ def run(
     """
     clock = StageClock(observer or Unobserved())
     clock.advanced(Progress(stage=Stage.READING))
-    admission = admit(study, options, pointer=pointer)
+    admission = admit(study, options, limits, pointer=pointer)
     reconstruction = _reconstruct(study, options, threads, clock)
     _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
     unwritten = build_report(

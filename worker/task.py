@@ -30,6 +30,6 @@ def _desk() -> Desk:
         records=JobRecords(redis),
         queue=JobQueue(settings, redis),
         settings=settings,
-        produce=partial(produce, threads=settings.threads),
+        produce=partial(produce, threads=settings.threads, limits=settings.limits()),
         is_shutting_down=shutdown_flag.is_raised,
     )

@@ -7,8 +7,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Header, Response
 from starlette.responses import FileResponse
 
-from jobs.folder import MANIFEST_NAME, JobFolder
-from schemas.artifacts import Manifest
+from jobs.folder import JobFolder
+from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.job import JobState
 from schemas.problem import InputError, InternalError, ProblemType
 from schemas.report import Report
@@ -19,11 +19,9 @@ from service.problems import NotReadyError
 
 router = APIRouter(tags=["results"])
 
-# A report may run its own script and style, but reaches nothing: no network, no cookies, no frames.
-_SANDBOX = (
-    "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; "
-    "style-src 'unsafe-inline'; img-src data:"
-)
+# A report has its own style and links to the meshes beside it, which are downloads; it runs no
+# script and reaches nothing else: no network, no cookies, no frames.
+_SANDBOX = "sandbox allow-downloads; default-src 'none'; style-src 'unsafe-inline'"
 
 _FILE: dict[int | str, dict[str, Any]] = {
     200: {

@@ -36,7 +36,7 @@ def readyz(access: Access) -> Ready:
     missing: list[ProblemPart] = []
     workers: list[str] = []
     try:
-        workers = access.records.live_workers(access.settings.worker_alive_s)
+        workers = access.live_workers()
         if not workers:
             missing.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
     except RedisError as error:

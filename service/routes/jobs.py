@@ -70,12 +70,12 @@ def cancel_job(job_id: str, access: Access, response: Response) -> Job:
     "/v1/jobs/{job_id}",
     status_code=204,
     response_class=Response,
-    responses=problems(404, 503),
+    responses=problems(404),
 )
 def erase_job(job_id: str, access: Access) -> None:
     """Erase the job: inputs, results and record; a running one is stopped first.
 
-    Erasing an erased job is not an error.
+    Erasing an erased job is not an error. Redis need not answer.
     """
     if not is_job_id(job_id):
         raise no_such_job()

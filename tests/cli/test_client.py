@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from cli.client import Client, ended_badly
+from cli.client import Client
+from cli.server_errors import ended_badly
 from schemas.job import Job, JobState, Progress
 from schemas.problem import InputError, InternalError, ProblemType
 
@@ -94,6 +95,12 @@ def test_a_job_that_is_not_there_is_told_at_once(serve: Serve) -> None:
 
 def test_another_server_than_ours_is_recognised(serve: Serve) -> None:
     url = serve(lambda _: (200, b"<html>hello"))
+    with Client(url) as client, pytest.raises(InternalError, match="is it a neuralmri server"):
+        client.job(JOB["id"])
+
+
+def test_another_service_that_speaks_json_is_recognised_too(serve: Serve) -> None:
+    url = serve(lambda _: (200, b'{"hello": "world"}'))
     with Client(url) as client, pytest.raises(InternalError, match="is it a neuralmri server"):
         client.job(JOB["id"])
 

@@ -4,7 +4,8 @@ from typing import Any
 
 import pytest
 
-from cli.inputs import ContourInput, LabelArguments, LabelInput, read_input
+from cli.input_arguments import LabelArguments
+from cli.inputs import ContourInput, LabelInput, read_input
 from schemas.labels import LabelScheme, Spacing, TissueLabels
 from schemas.options import Preset
 from schemas.problem import InputError

@@ -120,3 +120,31 @@ def test_an_outside_redis_that_does_not_answer_stops_the_server_with_its_reason(
     )
     assert ended.returncode == 1
     assert "Redis does not answer" in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["reconstruct", "study.json", "--out", "study.json/out"], "Not a directory"),
+        (["serve", "--data-dir", "study.json/data", "--port", str(free_port())], "Not a directory"),
+        (["submit", "study.json", "--server", "http://127.0.0.1:port"], "no address"),
+        (["serve", "--host", "192.0.2.1", "--port", str(free_port())], "--allow-remote"),
+        (["serve", "--host", "::", "--port", str(free_port())], "--allow-remote"),
+    ],
+)
+def test_a_place_that_cannot_be_used_is_named_without_a_traceback(
+    arguments: list[str], said: str, tmp_path: Path
+) -> None:
+    (tmp_path / "study.json").write_text(json.dumps(STUDY))
+    ended = subprocess.run(
+        [NEURALMRI, *arguments],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert ended.returncode == 2
+    assert said in ended.stderr
+    assert "Traceback" not in ended.stderr
+    assert [path.name for path in tmp_path.iterdir()] == ["study.json"]

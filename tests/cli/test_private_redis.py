@@ -9,6 +9,7 @@ from redis.exceptions import AuthenticationError
 
 from cli import private_redis
 from cli.children import Children
+from cli.ports import free_port
 from cli.private_redis import redis_program, start_redis
 from schemas.problem import InternalError
 
@@ -57,8 +58,8 @@ def test_a_port_that_was_taken_meanwhile_is_given_up_for_another(
     children: Children, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     taken = urlsplit(start_redis(tmp_path / "one", children)).port
-    ports = iter([taken, private_redis._free_port()])
-    monkeypatch.setattr(private_redis, "_free_port", lambda: next(ports))
+    ports = iter([taken, free_port()])
+    monkeypatch.setattr(private_redis, "free_port", lambda: next(ports))
     assert urlsplit(start_redis(tmp_path / "two", children)).port != taken
     children.check()
 

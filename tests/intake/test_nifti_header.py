@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from intake.limits import Limits
-from intake.nifti_header import NiftiHeader, parse_nifti_header, read_nifti_header
+from intake.nifti_file import read_nifti_header
+from intake.nifti_header import NiftiHeader, parse_nifti_header
 from schemas.problem import InputError, ProblemType
 from tests.labelmaps.heart_maps import SAX_AFFINE
 from tests.labelmaps.nifti_bytes import CODES, gz, nifti

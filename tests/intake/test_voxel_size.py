@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from intake.limits import Limits
-from intake.nifti_header import NiftiHeader, read_nifti_header
+from intake.nifti_file import read_nifti_header
+from intake.nifti_header import NiftiHeader
 from intake.voxel_size import VoxelGeometry, check_voxel_size
 from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
@@ -132,7 +133,18 @@ def test_every_qform_is_nibabels(q: tuple, offset: tuple, qfac: float) -> None:
     data = nifti(VOXELS, None, pixdim=SIZES, quaternion=[b, c, d, *offset], qfac=qfac)
     mine = settle(read_nifti_header(io.BytesIO(data), Limits(), "sax"))
     theirs = nibabel.Nifti1Image.from_bytes(data).affine
-    np.testing.assert_allclose(mine.affine_mm, theirs, atol=2e-3)
+    np.testing.assert_allclose(mine.affine_mm, theirs, atol=1e-9)
+
+
+@pytest.mark.parametrize("excess", [-1, 0, 1, 2, 3, 4, 5, 6, 7])
+def test_a_qform_near_a_half_turn_is_nibabels(excess: int) -> None:
+    """Where the fourth number of the quaternion is lost in the rounding of the other three."""
+    d = np.sqrt(1.0 - excess * 2.0**-24)
+    data = nifti(VOXELS, None, pixdim=SIZES, quaternion=[0.0, 0.0, d, 0.0, 0.0, 0.0])
+    mine = settle(read_nifti_header(io.BytesIO(data), Limits(), "sax"))
+    np.testing.assert_allclose(
+        mine.affine_mm, nibabel.Nifti1Image.from_bytes(data).affine, atol=1e-9
+    )
 
 
 def test_left_handed_is_fine_and_a_small_shear_is_rounding() -> None:

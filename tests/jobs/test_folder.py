@@ -1,9 +1,10 @@
 import hashlib
 import os
+import resource
 import subprocess
 import sys
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -210,4 +211,34 @@ def test_a_running_worker_cannot_resurrect_an_erased_job(folder: JobFolder) -> N
 def test_an_erasure_cut_short_is_finished_by_the_sweep(store: JobStore, folder: JobFolder) -> None:
     folder.path.rename(store.root / f".erased-{folder.job_id}-0")
     store.sweep()
+    assert list(store.root.iterdir()) == []
+
+
+@pytest.fixture
+def no_room() -> Iterator[None]:
+    """Files can be made, but nothing written into them, as on a full disk."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+def test_a_full_disk_leaves_no_half_outcome(folder: JobFolder, no_room: None) -> None:
+    before = sorted(folder.path.iterdir())
+    with pytest.raises(OSError, match="too large"):
+        folder.write_outcome(outcome(JobState.SUCCEEDED))
+    assert sorted(folder.path.iterdir()) == before
+    assert folder.outcome() is None
+
+
+def test_a_full_disk_is_noticed_and_not_filled_with_probes(store: JobStore, no_room: None) -> None:
+    assert not store.is_writable()
+    assert list(store.root.iterdir()) == []
+
+
+def test_a_full_disk_leaves_no_half_job(
+    store: JobStore, request_: JobRequest, no_room: None
+) -> None:
+    with pytest.raises(OSError, match="too large"):
+        store.folder(request_.job_id).create(request_, {"sax.nii": b"voxels"})
     assert list(store.root.iterdir()) == []

@@ -91,9 +91,9 @@ def test_a_lost_message_is_sent_again_once(
 def test_a_job_whose_worker_died_is_sent_again(
     store: JobStore, records: JobRecords, queue: JobQueue, redis: Redis, job: Job
 ) -> None:
-    claimed(records, redis, job, lease_s=0.05)
+    claimed(records, redis, job, lease_s=0.5)
     assert not reconcile(store, records, queue, 0.0).is_something
-    time.sleep(0.08)
+    time.sleep(0.6)
     assert reconcile(store, records, queue, 0.0).enqueued == (job.id,)
     assert state(records, job) is JobState.QUEUED
 
@@ -121,10 +121,10 @@ def test_a_cancellation_that_the_folder_did_not_hear_of(
 def test_a_worker_that_died_while_cancelling(
     store: JobStore, records: JobRecords, queue: JobQueue, redis: Redis, job: Job
 ) -> None:
-    claimed(records, redis, job, lease_s=0.1)
+    claimed(records, redis, job, lease_s=0.5)
     records.request_cancel(job.id)
     assert not reconcile(store, records, queue, 0.0).is_something
-    time.sleep(0.15)
+    time.sleep(0.6)
     assert reconcile(store, records, queue, 0.0).ended == (job.id,)
     found = store.folder(job.id).outcome()
     assert found is not None

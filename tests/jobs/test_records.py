@@ -214,9 +214,9 @@ def test_cancelling_a_job_whose_worker_is_lost(records: JobRecords, job_id: str)
 
 
 def test_a_worker_lost_while_cancelling(records: JobRecords, job_id: str) -> None:
-    claimed(records, job_id, lease_s=0.1)
+    claimed(records, job_id, lease_s=0.5)
     assert records.request_cancel(job_id) is JobState.CANCELLING
-    time.sleep(0.15)
+    time.sleep(0.6)
     claim = records.claim(job_id, 30.0, max_attempts=1)
     assert claim.granted
     assert state(records, job_id) is JobState.CANCELLING
@@ -230,13 +230,13 @@ def test_the_lifecycle_is_obeyed(records: JobRecords, job_id: str) -> None:
 
 
 def test_a_lost_job_is_reclaimed_by_one(records: JobRecords, job_id: str) -> None:
-    assert not records.reclaimed(job_id, 0.05)
-    time.sleep(0.08)
-    assert records.reclaimed(job_id, 0.05)
-    assert not records.reclaimed(job_id, 0.05)
+    assert not records.reclaimed(job_id, 0.4)
+    time.sleep(0.5)
+    assert records.reclaimed(job_id, 0.4)
+    assert not records.reclaimed(job_id, 0.4)
     token = claimed(records, job_id, lease_s=0.05)
-    time.sleep(0.2)
-    assert records.reclaimed(job_id, 0.05)
+    time.sleep(0.6)
+    assert records.reclaimed(job_id, 0.4)
     assert state(records, job_id) is JobState.QUEUED
     assert not records.renew(job_id, token, 30.0)
 
@@ -244,10 +244,10 @@ def test_a_lost_job_is_reclaimed_by_one(records: JobRecords, job_id: str) -> Non
 def test_a_held_or_cancelling_or_ended_job_is_not_reclaimed(
     records: JobRecords, job_id: str
 ) -> None:
-    token = claimed(records, job_id, lease_s=0.1)
+    token = claimed(records, job_id, lease_s=0.5)
     assert not records.reclaimed(job_id, 0.0)
     records.request_cancel(job_id)
-    time.sleep(0.15)
+    time.sleep(0.6)
     assert not records.reclaimed(job_id, 0.0)
     records.finished(job_id, token, outcome(JobState.CANCELLED))
     assert not records.reclaimed(job_id, 0.0)
@@ -314,13 +314,3 @@ def test_pages_are_stable_while_jobs_come_and_go(
     second = records.page(ANONYMOUS, limit=3, cursor=first.next_cursor)
     assert [job.id for job in second.jobs] == [requests[2].job_id, requests[0].job_id]
     assert second.next_cursor is None
-
-
-def test_a_worker_is_alive_while_it_says_so(records: JobRecords) -> None:
-    assert records.live_workers() == []
-    records.heartbeat("b@host")
-    records.heartbeat("a@host")
-    assert records.live_workers() == ["a@host", "b@host"]
-    time.sleep(0.05)
-    records.heartbeat("b@host")
-    assert records.live_workers(within_s=0.04) == ["b@host"]

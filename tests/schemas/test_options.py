@@ -105,3 +105,35 @@ def test_out_of_bounds_is_refused(given: Any) -> None:
 def test_options_are_frozen() -> None:
     with pytest.raises(ValidationError):
         Options().levels = 3
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"network": {"width": 512, "depth": 12}},
+        {"network": {"width": 256, "depth": 6}, "optimizer": {"samples_per_step": 65536}},
+    ],
+)
+def test_a_step_too_long_to_be_cancelled_is_refused(given: dict[str, Any]) -> None:
+    with pytest.raises(ValidationError, match="within a second; lower network"):
+        Options.model_validate(given)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        {"network": {"width": 512, "depth": 4}, "optimizer": {"samples_per_step": 1024}},
+        {"network": {"width": 8, "depth": 12}, "optimizer": {"samples_per_step": 65536}},
+        {"loss": {"hinge_samples": 65536}},
+    ],
+)
+def test_large_steps_of_small_networks_and_the_reverse_are_accepted(given: dict[str, Any]) -> None:
+    Options.model_validate(given)
+
+
+def test_remeshing_finer_than_the_grid_is_refused_with_the_remedy() -> None:
+    with pytest.raises(ValidationError, match=r"set mesh\.grid_mm to 1, or a longer edge"):
+        Options.model_validate({"target_edge_mm": 1.0, "mesh": {"grid_mm": 1.25}})
+    assert Options.model_validate({"target_edge_mm": 1.0, "mesh": {"grid_mm": 1.0}})
+    with pytest.raises(ValidationError, match="finer than the 2 mm grid"):
+        Options.model_validate({"target_edge_mm": 1.5, "preset": "fast"})

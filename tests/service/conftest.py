@@ -12,6 +12,7 @@ import httpx
 import pytest
 import uvicorn
 
+from jobs.live_workers import LiveWorkers
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore
@@ -28,14 +29,7 @@ class Api:
     settings: ServiceSettings
     store: JobStore
     records: JobRecords
-
-
-@pytest.fixture(scope="session")
-def redis_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RedisServer]:
-    server = RedisServer(tmp_path_factory.mktemp("redis"))
-    server.start()
-    yield server
-    server.kill()
+    workers: LiveWorkers
 
 
 def _settings(redis_server: RedisServer, data_dir: Path) -> ServiceSettings:
@@ -66,7 +60,13 @@ def serving(settings: ServiceSettings) -> Iterator[Api]:
             httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=20.0) as client,
             make_redis(settings.redis_url) as redis,
         ):
-            yield Api(client, settings, JobStore(settings.jobs_dir), JobRecords(redis))
+            yield Api(
+                client,
+                settings,
+                JobStore(settings.jobs_dir),
+                JobRecords(redis),
+                LiveWorkers(redis),
+            )
     finally:
         server.should_exit = True
         thread.join(timeout=20.0)

@@ -10,12 +10,12 @@ from tests.service.test_jobs import problem_of, submitted
 def test_readiness_needs_a_live_worker(api: Api) -> None:
     problem = problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
     assert [part.pointer for part in problem.errors] == ["workers"]
-    api.records.heartbeat("worker@test")
+    api.workers.heartbeat("worker@test")
     assert api.client.get("/readyz").json() == {"status": "ready", "workers": ["worker@test"]}
 
 
 def test_readiness_needs_a_store(api: Api) -> None:
-    api.records.heartbeat("worker@test")
+    api.workers.heartbeat("worker@test")
     api.store.root.rmdir()
     problem = problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
     assert [part.pointer for part in problem.errors] == ["store"]
@@ -37,7 +37,7 @@ def test_metrics_count_jobs_and_requests(api: Api) -> None:
     looks_before, misses_before = value(api, looks, 0.0), value(api, misses, 0.0)
     ids = [submitted(api) for _ in range(3)]
     api.client.post(f"/v1/jobs/{ids[0]}/cancel")
-    api.records.heartbeat("worker@test")
+    api.workers.heartbeat("worker@test")
     for _ in range(4):
         api.client.get(f"/v1/jobs/{ids[1]}")
     api.client.get("/nowhere")

@@ -72,7 +72,14 @@ def test_the_json_part_may_be_a_file(api: Api) -> None:
         (form({}), 422, ProblemType.INVALID_REQUEST, "sax"),
         (form({"axial": b"x"}), 422, ProblemType.INVALID_REQUEST, "axial"),
         (form({"other": b"x"}), 422, ProblemType.INVALID_REQUEST, "other"),
-        (form({"sax": b"x"}) * 2, 400, ProblemType.INVALID_REQUEST, None),
+        (form({"sax": b"x"}) * 2, 422, ProblemType.INVALID_REQUEST, "request"),
+        ([*form({}), ("sax", (None, "x"))], 422, ProblemType.INVALID_REQUEST, "sax"),
+        (
+            [("request", ("r.json", b" " * 2_000_000)), ("sax", ("a", b"x"))],
+            413,
+            ProblemType.TOO_LARGE,
+            "request",
+        ),
         ([*form({"sax": b"x"}), ("sax", ("b", b"y"))], 422, ProblemType.INVALID_REQUEST, "sax"),
         (
             form({"sax": b"x"}, {"subject_id": "a"}),

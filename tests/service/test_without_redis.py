@@ -62,6 +62,17 @@ def test_results_are_served_without_redis(own_api: Api, own_redis: RedisServer) 
     assert answer.content == MESH
 
 
+@pytest.mark.parametrize("how", ["kill", "freeze"])
+def test_erasing_needs_no_redis(own_api: Api, own_redis: RedisServer, how: str) -> None:
+    """A full disk stops Redis from writing; erasing is how its space is had back."""
+    job_id = submitted(own_api)
+    getattr(own_redis, how)()
+    for _ in range(2):
+        assert own_api.client.delete(f"/v1/jobs/{job_id}").status_code == 204
+    assert own_api.client.get(f"/v1/jobs/{job_id}").status_code == 404
+    assert list(own_api.store.root.iterdir()) == []
+
+
 def test_no_accepted_job_is_lost_with_redis(
     own_api: Api,
     own_redis: RedisServer,
@@ -90,6 +101,6 @@ def test_the_service_starts_without_redis(
     api = serve(settings.model_copy(update={"redis_url": own_redis.url}))
     assert api.client.get("/healthz").status_code == 200
     own_redis.start()
-    api.records.heartbeat("worker@test")
+    api.workers.heartbeat("worker@test")
     ready = api.client.get("/readyz")
     assert (ready.status_code, ready.json()["workers"]) == (200, ["worker@test"])

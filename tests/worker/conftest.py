@@ -1,29 +1,18 @@
-"""A store on disk, records and queue in a real Redis, and jobs waiting in both."""
+"""Settings over the shared Redis, and jobs that wait in store and records."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from redis import Redis
 
 from jobs.folder import JobFolder
-from jobs.queue import JobQueue
 from jobs.records import JobRecords
-from jobs.redis_client import make_redis
 from jobs.store import JobStore
 from schemas.job import JobKind
 from schemas.messages import JobRequest
 from tests.redis_server import RedisServer
 from worker.settings import WorkerSettings
-
-
-@pytest.fixture(scope="session")
-def redis_server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RedisServer]:
-    server = RedisServer(tmp_path_factory.mktemp("redis"))
-    server.start()
-    yield server
-    server.kill()
 
 
 @pytest.fixture
@@ -35,28 +24,6 @@ def settings(redis_server: RedisServer, tmp_path: Path) -> WorkerSettings:
         lease_s=1.0,
         lost_after_s=0.5,
     )
-
-
-@pytest.fixture
-def redis(settings: WorkerSettings) -> Iterator[Redis]:
-    with make_redis(settings.redis_url, settings.redis_timeout_s) as client:
-        client.flushall()
-        yield client
-
-
-@pytest.fixture
-def store(settings: WorkerSettings) -> JobStore:
-    return JobStore(settings.jobs_dir)
-
-
-@pytest.fixture
-def records(redis: Redis) -> JobRecords:
-    return JobRecords(redis)
-
-
-@pytest.fixture
-def queue(settings: WorkerSettings, redis: Redis) -> JobQueue:
-    return JobQueue(settings, redis)
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 What is computed is a parameter of an attempt, so these computations are the catalogue of faults.
 """
 
+import errno
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -150,6 +151,22 @@ def test_a_surprise_fails_the_job_as_ours_and_tells_nothing_of_the_inside(
     assert folder.job_id in error.detail
     assert "secret" not in error.model_dump_json()
     assert "secret inside" in caplog.text, "the operator must find it in the log"
+
+
+def test_results_that_the_disk_has_no_room_for_fail_the_job_with_a_remedy(
+    folder: JobFolder, records: JobRecords, desk: MakeDesk
+) -> None:
+    def too_much(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    attempt(folder.job_id, desk(too_much))
+
+    job = known(records, folder)
+    assert job.state is JobState.FAILED
+    assert job.error is not None
+    assert job.error.type == ProblemType.STORAGE_FULL.uri
+    assert "Erase" in job.error.detail
+    assert staged(folder) == []
 
 
 def test_the_soft_time_limit_fails_the_job_with_a_remedy(
@@ -305,13 +322,17 @@ def test_an_unknown_job_is_dropped(store: JobStore, desk: MakeDesk) -> None:
     assert not store.folder(job_id).exists()
 
 
+@pytest.mark.parametrize("attempts_before", [0, 2], ids=["first attempt", "last attempt"])
+@pytest.mark.parametrize("requeued", [False, True])
 def test_results_of_a_worker_that_died_before_it_could_say_so_stand(
-    folder: JobFolder, records: JobRecords, desk: MakeDesk
+    folder: JobFolder, records: JobRecords, desk: MakeDesk, attempts_before: int, requeued: bool
 ) -> None:
-    claim = records.claim(folder.job_id, 0.0, 3)
+    for _ in range(attempts_before + 1):
+        claim = records.claim(folder.job_id, 0.0, 3)
     assert claim.token is not None
     staging = folder.staging(claim.token)
     folder.publish(staging, wrote(staging, "first"))
+    assert not requeued or records.reclaimed(folder.job_id, 0.0)
 
     attempt(folder.job_id, desk(unwanted))
 

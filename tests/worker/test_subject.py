@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from intake.limits import Limits
 from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.problem import InputError
@@ -99,6 +100,18 @@ def test_it_stops_where_it_is_asked_to(stage: Stage, study: ContourStudy, tmp_pa
     with pytest.raises(Cancelled):
         reconstructed(study, tmp_path / "out", watcher)
     assert Stage.DONE not in [p.stage for p in watcher.seen]
+
+
+def test_the_limits_given_are_the_limits_held(study: ContourStudy, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="at most 100 are accepted"):
+        run(
+            study,
+            QUICK,
+            tmp_path,
+            threads=1,
+            input_sha256="a" * 64,
+            limits=Limits(max_points=100),
+        )
 
 
 def test_a_study_that_cannot_be_reconstructed_is_refused_at_the_door(

@@ -10,7 +10,7 @@ from schemas.report import FrameReport, LevelReport, Report
 
 _CHART_WIDTH = 320
 _CHART_HEIGHT = 120
-_CHART_MARGIN = 12
+_CHART_MARGIN = 14
 
 _PAGES = Environment(
     loader=PackageLoader("worker.artifacts", package_path=""),

@@ -4,11 +4,9 @@ import hashlib
 from datetime import datetime
 from pathlib import Path
 
-from schemas.artifacts import Artifact, Manifest
+from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.vocabulary import Axes
 from worker.artifacts.meshes import MEDIA_TYPES
-
-MANIFEST_FILE = "manifest.json"
 
 _MEDIA_TYPES = {f".{form}": media_type for form, media_type in MEDIA_TYPES.items()} | {
     ".json": "application/json",
@@ -28,7 +26,7 @@ def describe(
         software: Name and version of what wrote them.
         created_at: When they were made, timezone-aware.
     """
-    names = sorted(p.name for p in out_dir.iterdir() if p.name != MANIFEST_FILE)
+    names = sorted(p.name for p in out_dir.iterdir() if p.name != MANIFEST_NAME)
     return Manifest(
         subject_id=subject_id,
         axes=axes,
@@ -41,7 +39,7 @@ def describe(
 def write_manifest(out_dir: Path, manifest: Manifest) -> None:
     """Write `manifest.json` beside what it describes."""
     text = manifest.model_dump_json(indent=1)
-    (out_dir / MANIFEST_FILE).write_text(text, encoding="utf-8")
+    (out_dir / MANIFEST_NAME).write_text(text, encoding="utf-8")
 
 
 def _described(path: Path) -> Artifact:

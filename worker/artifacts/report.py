@@ -17,8 +17,8 @@ from schemas.report import (
 )
 from schemas.vocabulary import MeshFormat, Structure
 from worker.arrays import Scalars
+from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.function import lv_function
-from worker.evaluation.residuals import contour_residuals_mm
 from worker.evaluation.size import area_cm2, volume_ml
 from worker.evaluation.summary import summarised
 from worker.evaluation.topology import euler_number, is_watertight
@@ -118,9 +118,7 @@ def _residuals(fit: SliceFit, surfaces: Mapping[Structure, SurfaceMesh]) -> _Res
     return {
         structure: np.concatenate(
             [
-                contour_residuals_mm(
-                    outline.points_mm - fit.shift_mm, surfaces[structure], closed=outline.closed
-                )
+                points_to_surface_mm(outline.points_mm - fit.shift_mm, surfaces[structure])
                 for outline in outlines
             ]
         )

@@ -19,6 +19,14 @@ _LEAST_ENCLOSED = 0.5
 """Share of the LV cavity's boundary that lies on LV wall. In 13 maps (ACDC, M&Ms, MM-WHS) it is
 0.72 to 1 read rightly, and up to 0.44 with LV and RV exchanged (a two-chamber view)."""
 _IN_PLANE = np.array([[0, 1, 0], [1, 1, 1], [0, 1, 0]], dtype=bool)[:, :, None]
+_ALL, _FIRST, _SECOND = slice(None), slice(None, -1), slice(1, None)
+_NEIGHBOURS = (
+    ((_FIRST, _ALL), (_SECOND, _ALL)),
+    ((_SECOND, _ALL), (_FIRST, _ALL)),
+    ((_ALL, _FIRST), (_ALL, _SECOND)),
+    ((_ALL, _SECOND), (_ALL, _FIRST)),
+)
+"""Index pairs of pixels that share an edge, both ways along either axis of the plane."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +66,7 @@ def anatomical_fit(frames: Iterable[Tissues], slice_axis: int) -> AnatomicalFit:
         wall = binary_dilation(heart == Tissue.LV_WALL, _IN_PLANE)
         for cavity in on_wall:
             inside = heart == cavity
-            for here, there in _neighbours(2):
+            for here, there in _NEIGHBOURS:
                 edge = inside[here] & ~inside[there]
                 boundary[cavity] += int(edge.sum())
                 on_wall[cavity] += int((edge & wall[there]).sum())
@@ -77,13 +85,3 @@ def _cropped(tissues: Tissues) -> UInt8[np.ndarray, "_ _ _"]:
         for others in ((1, 2), (0, 2), (0, 1))
     )
     return np.pad(tissues[box], ((2, 2), (2, 2), (0, 0)))
-
-
-def _neighbours(axes: int) -> list[tuple[tuple[slice, ...], tuple[slice, ...]]]:
-    """Index pairs of voxels that share a face, both ways along each of the first `axes` axes."""
-    pairs = []
-    for axis in range(axes):
-        first = (*(slice(None),) * axis, slice(None, -1))
-        second = (*(slice(None),) * axis, slice(1, None))
-        pairs += [(first, second), (second, first)]
-    return pairs

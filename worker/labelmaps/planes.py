@@ -35,11 +35,6 @@ class PlaneStack:
         return lengths
 
     @property
-    def step_mm(self) -> float:
-        """Distance between neighbouring planes."""
-        return float(abs(self.affine_mm[:3, self.slice_axis] @ self.normal))
-
-    @property
     def normal(self) -> Vector:
         """Unit, towards higher slice numbers."""
         across = np.cross(self._in_plane[:, 0], self._in_plane[:, 1])

@@ -9,9 +9,9 @@ import numpy as np
 from jaxtyping import Int, UInt8
 
 from intake.inflate import is_gzip
+from intake.label_map_faults import unsupported
 from intake.nifti_header import NiftiHeader
 from schemas.labels import TissueLabels
-from schemas.problem import InputError, ProblemType
 from worker.labelmaps.scheme import Tissue, values_by_tissue
 
 Labels = Int[np.ndarray, "x y z"]
@@ -22,6 +22,8 @@ TissueImage = UInt8[np.ndarray, "i j"]
 
 Tissues = UInt8[np.ndarray, "x y z"]
 """`Tissue` of every voxel of one frame."""
+
+_REMEDY = "send the segmentation itself, one integer a voxel, resampled with nearest neighbour only"
 
 _MOST_LABELS = 256
 """A map with more values than this is an image, or a distance or probability map."""
@@ -59,28 +61,22 @@ def _as_integers(values: np.ndarray, pointer: str) -> Labels:
     distinct = np.unique(values[values != 0])
     if np.issubdtype(values.dtype, np.floating):
         if not np.isfinite(distinct).all():
-            raise _unsupported("it holds NaN or infinite voxels", pointer)
+            raise unsupported(pointer, "it holds NaN or infinite voxels", _REMEDY)
         broken = distinct[distinct != np.rint(distinct)]
         if len(broken):
-            raise _unsupported(
+            raise unsupported(
+                pointer,
                 f"it holds values that are no integers, such as {broken[0]:.4g}; this is a "
                 "probability map, or labels were resampled by interpolation",
-                pointer,
+                _REMEDY,
             )
     if len(distinct) > _MOST_LABELS:
-        raise _unsupported(
-            f"it holds {len(distinct)} different values, like an image rather than labels", pointer
+        raise unsupported(
+            pointer,
+            f"it holds {len(distinct)} different values, like an image rather than labels",
+            _REMEDY,
         )
     largest = max((abs(int(value)) for value in distinct), default=0)
     if largest > np.iinfo(np.int32).max:
-        raise _unsupported(f"it holds a value of size {largest}", pointer)
+        raise unsupported(pointer, f"it holds a value of size {largest}", _REMEDY)
     return values.astype(np.int16 if largest <= np.iinfo(np.int16).max else np.int32)
-
-
-def _unsupported(what: str, pointer: str) -> InputError:
-    return InputError(
-        ProblemType.UNSUPPORTED_LABEL_MAP,
-        f"`{pointer}` is no label map: {what}. Remedy: send the segmentation itself, one integer "
-        "a voxel, resampled with nearest neighbour only.",
-        pointer=pointer,
-    )

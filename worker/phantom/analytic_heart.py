@@ -9,6 +9,7 @@ from jaxtyping import Int
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Structure
 from worker.arrays import Points, Scalars
+from worker.phantom.bounds import require_within
 from worker.phantom.contraction import Layout, layout
 from worker.phantom.meshing import mesh_of_implicit
 from worker.phantom.pose import Pose
@@ -38,12 +39,7 @@ class Heart:
     pose: Pose = field(default_factory=Pose)
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.phase <= 1.0:
-            raise InputError(
-                ProblemType.INVALID_REQUEST,
-                f"phase = {self.phase:g}; choose between 0 (end-diastole) and 1 (end-systole).",
-                pointer="/phase",
-            )
+        require_within("phase", self.phase, 0.0, 1.0)
 
     @cached_property
     def layout(self) -> Layout:
@@ -78,12 +74,7 @@ class Heart:
 
     def meshes(self, edge_mm: float = 1.0) -> dict[Structure, SurfaceMesh]:
         """True surfaces as closed meshes of about `edge_mm`, patient frame; exact to 0.001 mm."""
-        if not 0.2 <= edge_mm <= 5.0:
-            raise InputError(
-                ProblemType.INVALID_REQUEST,
-                f"edge_mm = {edge_mm:g}; choose between 0.2 and 5 mm.",
-                pointer="/edge_mm",
-            )
+        require_within("edge_mm", edge_mm, 0.2, 5.0)
         return {structure: self._mesh(structure, edge_mm) for structure in STRUCTURES}
 
     def _mesh(self, structure: Structure, edge_mm: float) -> SurfaceMesh:

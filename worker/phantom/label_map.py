@@ -13,10 +13,8 @@ from schemas.vocabulary import View
 from worker.arrays import Points, Vector
 from worker.labelmaps.scheme import Tissue, published_labels, values_by_tissue
 from worker.phantom.analytic_heart import Heart
+from worker.phantom.planes import LONG_AXIS_DEGREES
 from worker.phantom.pose import Pose
-
-LONG_AXIS_DEGREES = {View.LAX_4CH: 0.0, View.LAX_2CH: 60.0, View.LAX_3CH: 120.0}
-"""Turn of each long-axis plane about the LV's axis, from the plane through both ventricles."""
 
 _LPS_TO_RAS = np.array([-1.0, -1.0, 1.0])
 _IN_PLANE_MARGIN_MM = 16.0

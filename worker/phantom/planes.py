@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -10,8 +11,8 @@ from worker.arrays import Vector
 from worker.phantom.long_axis import LongAxis
 from worker.surface_mesh import SurfaceMesh
 
-_LONG_AXIS_VIEWS = (View.LAX_4CH, View.LAX_2CH, View.LAX_3CH)
-_DEGREES_BETWEEN = 60.0
+LONG_AXIS_DEGREES = {View.LAX_4CH: 0.0, View.LAX_2CH: 60.0, View.LAX_3CH: 120.0}
+"""Turn of each long-axis plane about the LV's axis, from the plane through both ventricles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +56,12 @@ def short_axis_stack(
 def long_axis_planes(axis: LongAxis, count: int) -> list[SlicePlane]:
     """The first `count` of the four-, two- and three-chamber planes, which contain the long axis.
 
-    The four-chamber plane goes through both ventricles; the others follow at 60 degrees each.
+    They are turned by `LONG_AXIS_DEGREES`.
     """
     planes = []
     beside = np.cross(axis.towards_base, axis.towards_rv)
-    for i, view in enumerate(_LONG_AXIS_VIEWS[:count]):
-        turn = np.radians(_DEGREES_BETWEEN * i)
+    for i, (view, degrees) in enumerate(islice(LONG_AXIS_DEGREES.items(), count)):
+        turn = np.radians(degrees)
         normal = np.cos(turn) * beside - np.sin(turn) * axis.towards_rv
         planes.append(SlicePlane(f"lax-{i:02d}", view, axis.centre_mm, normal))
     return planes

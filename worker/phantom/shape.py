@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, fields
 
-from schemas.problem import InputError, ProblemType
+from worker.phantom.bounds import require_within
 
 _BOUNDS: dict[str, tuple[float, float]] = {
     "lv_radius_mm": (10.0, 40.0),
@@ -56,18 +56,9 @@ class HeartShape:
         for item in fields(self):
             value = getattr(self, item.name)
             low, high = _BOUNDS[item.name]
-            _within(item.name, value, low, high)
+            require_within(item.name, value, low, high)
         # A wider reach would take the RV's ellipsoid round the LV and out on its other side; a
         # higher base would leave next to no opening.
         widest = 1.1 * (self.lv_radius_mm + self.wall_mm)
-        _within("rv_reach_mm", self.rv_reach_mm, _BOUNDS["rv_reach_mm"][0], widest)
-        _within("base_height_mm", self.base_height_mm, 0.0, 0.8 * self.lv_apex_depth_mm)
-
-
-def _within(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(
-            ProblemType.INVALID_REQUEST,
-            f"{name} = {value:g} is no heart's; choose between {low:g} and {high:g}.",
-            pointer=f"/{name}",
-        )
+        require_within("rv_reach_mm", self.rv_reach_mm, _BOUNDS["rv_reach_mm"][0], widest)
+        require_within("base_height_mm", self.base_height_mm, 0.0, 0.8 * self.lv_apex_depth_mm)

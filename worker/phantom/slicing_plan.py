@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from schemas.problem import InputError, ProblemType
+from worker.phantom.bounds import require_within
 
 
 @dataclass(frozen=True)
@@ -27,28 +28,19 @@ class SlicingPlan:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        _within("spacing_mm", self.spacing_mm, 0.5, 50.0)
-        _within("margin_mm", self.margin_mm, 0.0, self.spacing_mm)
-        _within("long_axis_planes", float(self.long_axis_planes), 0.0, 3.0)
-        _within("point_spacing_mm", self.point_spacing_mm, 0.1, 10.0)
-        _within("shift_sd_mm", self.shift_sd_mm, 0.0, 20.0)
-        _within("noise_sd_mm", self.noise_sd_mm, 0.0, 5.0)
-        _within("noise_correlation_mm", self.noise_correlation_mm, 1.0, 100.0)
+        require_within("spacing_mm", self.spacing_mm, 0.5, 50.0)
+        require_within("margin_mm", self.margin_mm, 0.0, self.spacing_mm)
+        require_within("long_axis_planes", float(self.long_axis_planes), 0.0, 3.0)
+        require_within("point_spacing_mm", self.point_spacing_mm, 0.1, 10.0)
+        require_within("shift_sd_mm", self.shift_sd_mm, 0.0, 20.0)
+        require_within("noise_sd_mm", self.noise_sd_mm, 0.0, 5.0)
+        require_within("noise_correlation_mm", self.noise_correlation_mm, 1.0, 100.0)
         if self.axis is not None and not any(self.axis):
             raise InputError(
                 ProblemType.INVALID_REQUEST,
                 "axis is the zero vector; give the direction from apex to base.",
                 pointer="/axis",
             )
-
-
-def _within(name: str, value: float, low: float, high: float) -> None:
-    if not low <= value <= high:
-        raise InputError(
-            ProblemType.INVALID_REQUEST,
-            f"{name} = {value:g}; choose between {low:g} and {high:g}.",
-            pointer=f"/{name}",
-        )
 
 
 STANDARD_PLAN = SlicingPlan()

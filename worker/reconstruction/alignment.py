@@ -26,12 +26,19 @@ look to the field like shifts, and it would straighten them.
 
 
 class SliceShifts(nn.Module):
-    """Displacements of slices in their own planes, unit lengths; zero for slices that stay."""
+    """Displacements of slices in their own planes, unit lengths; zero for slices that stay.
+
+    Free to move are short-axis slices with outlines.
+    """
 
     def __init__(self, stack: UnitStack, prior: float, limit: float) -> None:
-        """prior: standard deviation of a shift; limit: the largest; both in unit lengths."""
+        """The stack holds the outlines that are fitted to.
+
+        prior: standard deviation of a shift; limit: the largest; both in unit lengths.
+        """
         super().__init__()
-        free = [s.view is View.SAX for s in stack.slices]
+        # A slice without outlines is the same wherever it lies in its plane.
+        free = [s.view is View.SAX and bool(s.outlines) for s in stack.slices]
         self._free = torch.tensor(free, dtype=torch.float32)[:, None]
         self._axes = torch.tensor(np.stack([s.axes for s in stack.slices]), dtype=torch.float32)
         self._unobservable = torch.as_tensor(_unobservable(stack, free), dtype=torch.float32)
@@ -75,7 +82,7 @@ def _evidence_handicap(stack: UnitStack) -> list[float]:
     """By what factor each slice's outlines are shorter than the median slice's, one at least."""
     lengths = np.array([_outline_length(s) for s in stack.slices])
     typical = np.median(lengths[lengths > 0.0])
-    return [float(max(1.0, typical / max(length, 1e-3))) for length in lengths]
+    return [float(max(1.0, typical / length)) if length > 0.0 else 1.0 for length in lengths]
 
 
 def _outline_length(slice_: UnitSlice) -> float:

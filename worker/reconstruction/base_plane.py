@@ -4,6 +4,7 @@ The base plane of a surface goes through the valve points, the ends of open long
 when two slices have them; else it is the most basal short-axis plane that shows the surface.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,9 +12,12 @@ import trimesh
 
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Structure, View
-from worker.arrays import Points, Vector
+from worker.arrays import Points, SomePoints, Vector
 from worker.reconstruction.slice_stack import SliceStack, StackSlice
 from worker.surface_mesh import SurfaceMesh
+
+_LEVEL_MM2 = 1e-6
+"""Covariance of height and width below which short-axis slices show no taper."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,17 +33,16 @@ def find_base(stack: SliceStack, structure: Structure) -> BasePlane:
 
     Raises InputError when neither valve points nor short-axis slices show where the base is.
     """
-    sax = [s for s in stack.slices if s.view is View.SAX and s.outlines]
-    axis = _apex_to_base(sax, stack.points_mm)
-    valve = [
-        end
+    arcs = [
+        outline.points_mm
         for s in stack.slices
         for outline in s.outlines.get(structure, ())
         if not outline.closed
-        for end in (outline.points_mm[0], outline.points_mm[-1])
     ]
-    if len(valve) >= 4:
-        return _through(np.array(valve), axis)
+    if len(arcs) >= 2:
+        return _through_ends(arcs)
+    sax = [s for s in stack.slices if s.view is View.SAX and s.outlines]
+    axis = _apex_to_base(sax, stack.points_mm)
     showing = [s for s in sax if structure in s.outlines]
     if not showing:
         raise InputError(
@@ -64,15 +67,17 @@ def cut_open(mesh: SurfaceMesh, base: BasePlane) -> SurfaceMesh:
 
 
 def _apex_to_base(sax: list[StackSlice], points_mm: Points) -> Vector:
-    """Unit vector along the short-axis normal, toward the wider outlines."""
-    if not sax:
-        centred = points_mm - points_mm.mean(axis=0)
-        axis = np.linalg.eigh(centred.T @ centred)[1][:, 2]
-        return axis if float(((centred @ axis) ** 3).sum()) <= 0.0 else -axis
-    axis = sax[0].normal
+    """Unit vector along the short-axis normal, toward the wider outlines.
+
+    A single short-axis slice says nothing of wider: then away from the thin end of all outlines.
+    """
+    centred = points_mm - points_mm.mean(axis=0)
+    axis = sax[0].normal if sax else np.linalg.eigh(centred.T @ centred)[1][:, 2]
     heights = np.array([s.origin_mm @ axis for s in sax])
     widths = np.array([_width(s) for s in sax])
-    slope = float((heights - heights.mean()) @ (widths - widths.mean()))
+    slope = float(heights @ (widths - widths.mean())) if sax else 0.0
+    if abs(slope) < _LEVEL_MM2:
+        slope = -float(((centred @ axis) ** 3).sum())
     return axis if slope >= 0.0 else -axis
 
 
@@ -83,7 +88,10 @@ def _width(slice_: StackSlice) -> float:
     return float(np.linalg.norm(points - points.mean(axis=0), axis=1).mean())
 
 
-def _through(points_mm: Points, axis: Vector) -> BasePlane:
-    centre = points_mm.mean(axis=0)
-    normal = np.linalg.eigh((points_mm - centre).T @ (points_mm - centre))[1][:, 0]
-    return BasePlane(centre, normal if normal @ axis > 0 else -normal)
+def _through_ends(arcs: Sequence[SomePoints]) -> BasePlane:
+    """The plane through the ends of open outlines; the outlines themselves are apical of it."""
+    ends = np.array([end for arc in arcs for end in (arc[0], arc[-1])])
+    centre = ends.mean(axis=0)
+    normal = np.linalg.eigh((ends - centre).T @ (ends - centre))[1][:, 0]
+    apical = np.concatenate(arcs).mean(axis=0) - centre
+    return BasePlane(centre, normal if normal @ apical < 0 else -normal)

@@ -1,4 +1,4 @@
-"""A fitted field as plain functions of points, in numpy and in bounded memory."""
+"""A fitted field as plain functions of points, in numpy, in bounded memory, stopping when asked."""
 
 from collections.abc import Iterator
 
@@ -7,30 +7,42 @@ import torch
 
 from worker.arrays import Points
 from worker.reconstruction.network import TissueField
+from worker.reconstruction.observer import Cancelled, Observer
 from worker.reconstruction.surface_logits import SurfaceLogits
 
 _CHUNK = 16384
 """Points evaluated at once: keeps activations of a layer in the processor's cache."""
 
+_MULTIPLICATIONS_AT_ONCE = 2**32
+"""Points times weights between two looks at the observer: a fraction of a second."""
+
 
 class FieldEvaluation:
-    """Surface logits of a fit at any points, unit coordinates."""
+    """Surface logits of a fit at any points, unit coordinates.
 
-    def __init__(self, field: TissueField, surface_logits: SurfaceLogits) -> None:
+    Every method raises Cancelled when the observer asks to stop.
+    """
+
+    def __init__(
+        self, field: TissueField, surface_logits: SurfaceLogits, observer: Observer
+    ) -> None:
         self._field = field
         self._surface_logits = surface_logits
+        self._observer = observer
+        weights = sum(p.numel() for p in field.parameters())
+        self._chunk = min(_CHUNK, max(1, _MULTIPLICATIONS_AT_ONCE // weights))
 
     @torch.no_grad()
     def logits(self, points_unit: Points) -> np.ndarray:
         """(n, 3) to (n, surfaces)."""
-        parts = [self._surface_logits(self._field(p)) for p in _chunks(points_unit)]
+        parts = [self._surface_logits(self._field(p)) for p in self._chunks(points_unit)]
         return torch.cat(parts).numpy().astype(np.float64)
 
     @torch.no_grad()
     def logits_and_gradient(self, points_unit: Points, surface: int) -> tuple[np.ndarray, Points]:
         """Logits (n,) of one surface and their gradients (n, 3), per unit length."""
         values, slopes = [], []
-        for chunk in _chunks(points_unit):
+        for chunk in self._chunks(points_unit):
             logits, gradients = self._surface_logits.with_gradient(
                 *self._field.with_jacobian(chunk)
             )
@@ -41,6 +53,8 @@ class FieldEvaluation:
             torch.cat(slopes).numpy().astype(np.float64),
         )
 
-
-def _chunks(points_unit: Points) -> Iterator[torch.Tensor]:
-    return iter(torch.as_tensor(points_unit, dtype=torch.float32).split(_CHUNK))
+    def _chunks(self, points_unit: Points) -> Iterator[torch.Tensor]:
+        for chunk in torch.as_tensor(points_unit, dtype=torch.float32).split(self._chunk):
+            if self._observer.is_cancelled():
+                raise Cancelled
+            yield chunk

@@ -27,6 +27,9 @@ from worker.reconstruction.unit_stack import UnitStack
 _PRIOR_WEIGHT = 2e-4
 """Weight of the shift prior against the mean BCE: it breaks ties, the contours decide."""
 
+_WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
+"""Bounds on the shift prior and on shifts, unit lengths: a mouse's breath is not a man's."""
+
 
 @dataclass(frozen=True)
 class FittedLevel:
@@ -59,14 +62,17 @@ def fit_field(
     """Fit one field to one frame.
 
     samples_of: fresh samples of a level, per-surface arrays in the order of `partition.surfaces`.
-    stack: the slices, for the shifts. unit_mm: length of one unit in mm.
+    stack: the slices with the outlines of those surfaces, for the shifts.
+    unit_mm: length of one unit in mm.
     Raises Cancelled when the observer asks to stop.
     """
     generator = torch.Generator().manual_seed(options.seed)
     surface_logits = SurfaceLogits(partition)
     field = TissueField(partition.class_count, options.network, generator)
     shifts = SliceShifts(
-        stack, options.alignment.prior_mm / unit_mm, options.alignment.max_shift_mm / unit_mm
+        stack,
+        min(options.alignment.prior_mm / unit_mm, _WIDEST_PRIOR),
+        min(options.alignment.max_shift_mm / unit_mm, _FURTHEST_SHIFT),
     )
     groups: list[dict[str, Any]] = [
         {"params": list(field.parameters())},

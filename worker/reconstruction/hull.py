@@ -1,5 +1,6 @@
 """The inflated convex hull of all contours: nothing of the heart lies on it or beyond it."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,10 +8,13 @@ from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
 from schemas.problem import InputError, ProblemType
-from worker.arrays import Points, Vector
+from worker.arrays import Flags, Points, Vector
 
 _BOX_MARGIN = 0.06
 """Room around the hull in unit lengths, so that the isosurface never meets the box."""
+
+_PAIRS_AT_ONCE = 10_000_000
+"""Points times half-spaces of one step: bounds its memory to 80 MB."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,11 +43,21 @@ class Hull:
         missing = count
         while missing > 0:
             candidates = rng.uniform(self.lower, self.upper, size=(2 * count, 3))
-            heights = candidates @ self.half_spaces[:, :3].T + self.half_spaces[:, 3]
-            outside = candidates[heights.max(axis=1) > 0.0][:missing]
+            outside = candidates[self._is_outside(candidates)][:missing]
             found.append(outside)
             missing -= len(outside)
         return np.concatenate(found) if found else np.empty((0, 3))
+
+    def _is_outside(self, points_unit: Points) -> Flags:
+        normals, offsets = self.half_spaces[:, :3], self.half_spaces[:, 3]
+        # A hull of dense contours has thousands of half-spaces: not all points at once.
+        blocks = math.ceil(len(points_unit) * len(offsets) / _PAIRS_AT_ONCE)
+        return np.concatenate(
+            [
+                (block @ normals.T + offsets).max(axis=1) > 0.0
+                for block in np.array_split(points_unit, blocks)
+            ]
+        )
 
 
 def inflated_hull(points_unit: Points, inflation: float) -> Hull:

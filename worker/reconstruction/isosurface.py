@@ -112,8 +112,17 @@ def _cell_range(values: Lattice) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _crossed_cells(values: Lattice) -> Nodes:
-    low, high = _cell_range(values)
-    return np.any((low <= 0) & (high >= 0), axis=0)
+    """Cells with a corner inside, and one outside, of a surface; by signs: eight times less memory
+    than by `_cell_range`, and as much quicker.
+    """
+    return np.any(_at_a_corner(values <= 0.0) & _at_a_corner(values >= 0.0), axis=0)
+
+
+def _at_a_corner(flags: np.ndarray) -> np.ndarray:
+    """Whether any corner of a cell is flagged; (surfaces, nodes) to (surfaces, cells)."""
+    flags = flags[:, 1:] | flags[:, :-1]
+    flags = flags[:, :, 1:] | flags[:, :, :-1]
+    return flags[:, :, :, 1:] | flags[:, :, :, :-1]
 
 
 def _nodes_of_cells(cells: Nodes) -> Nodes:

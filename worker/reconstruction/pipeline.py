@@ -28,13 +28,18 @@ from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reco
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
 from worker.reconstruction.slice_stack import SliceStack
+from worker.reconstruction.stack_ends import past_the_ends
 from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tissues import Partition, partition
 from worker.reconstruction.unit_stack import UnitStack
+from worker.reconstruction.workload import check_workload
 from worker.surface_mesh import SurfaceMesh
 
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
+
+_WIDEST_CELL = 0.1
+"""Edge of the finest cell, unit lengths, at most: a mouse's heart is a few millimetres long."""
 
 
 def reconstruct(
@@ -64,21 +69,29 @@ def _reconstruct_frame(
 ) -> FrameFit:
     stack = build_stack(study, frame)
     unit_stack, unit_frame = normalise(stack)
-    hull = inflated_hull(unit_stack.points_unit, options.sampling.hull_inflation)
+    inflation = options.sampling.hull_inflation
+    ends = past_the_ends(unit_stack, inflation)
+    hull = inflated_hull(np.concatenate([unit_stack.points_unit, ends]), inflation)
     classes = partition(frame_surfaces(frame, options))
+    unit_mm = unit_frame.half_extent_mm
+    cell = min(options.mesh.grid_mm / unit_mm, _WIDEST_CELL)
+    check_workload(len(stack.slices), hull, cell * unit_mm, cell, len(classes.surfaces), options)
+    # Before the fit: a base that cannot be found is not found out in vain.
+    bases = {s: find_base(stack, s) for s in classes.surfaces} if options.base is Base.OPEN else {}
     rng = np.random.default_rng(options.seed)
 
     def samples_of(level: int) -> LabelledSamples:
         radius = level_radius(level, options.levels, options.sampling)
-        return sample_level(unit_stack, classes.surfaces, hull, radius, options.sampling, rng)
+        return sample_level(
+            unit_stack, classes.surfaces, hull, radius, options.sampling, rng, observer
+        )
 
     fitting = observer.part(0.0, _FIT_SHARE)
-    unit_mm = unit_frame.half_extent_mm
-    fit = fit_field(samples_of, unit_stack, classes, options, unit_mm, fitting)
+    fitted_to = unit_stack.showing(classes.surfaces)
+    fit = fit_field(samples_of, fitted_to, classes, options, unit_mm, fitting)
     meshing = observer.part(_FIT_SHARE, 1.0)
-    meshes = _mesh(unit_stack, unit_frame, hull, classes, fit, options, meshing)
-    if options.base is Base.OPEN:
-        meshes = {s: cut_open(mesh, find_base(stack, s)) for s, mesh in meshes.items()}
+    meshes = _mesh(unit_stack, unit_frame, hull, classes, fit, cell, options, meshing)
+    meshes |= {s: cut_open(meshes[s], base) for s, base in bases.items()}
     return FrameFit(
         label=frame.label,
         time_ms=frame.time_ms,
@@ -94,19 +107,13 @@ def _mesh(
     hull: Hull,
     classes: Partition,
     fit: FieldFit,
+    cell: float,
     options: Options,
     observer: Observer,
 ) -> dict[Structure, SurfaceMesh]:
-    evaluation = FieldEvaluation(fit.field, fit.surface_logits)
-    cell = options.mesh.grid_mm / frame.half_extent_mm
-
-    def logits_of(points_unit: Points) -> np.ndarray:
-        if observer.is_cancelled():
-            raise Cancelled
-        return evaluation.logits(points_unit)
-
+    evaluation = FieldEvaluation(fit.field, fit.surface_logits, observer)
     observer.advanced(Progress(fraction=0.0, stage=Stage.MESHING))
-    level_sets = isosurfaces(logits_of, hull.lower, hull.upper, cell)
+    level_sets = isosurfaces(evaluation.logits, hull.lower, hull.upper, cell)
     meshes = {}
     for index, (structure, level_set) in enumerate(zip(classes.surfaces, level_sets, strict=True)):
         if observer.is_cancelled():
@@ -135,7 +142,8 @@ def _kept(
         raise InternalError(
             ProblemType.NO_SURFACE,
             f"The fitted field encloses nothing for {structure}; raise `iterations_per_level` or "
-            "`levels`, lower `mesh.grid_mm`, or leave that surface out of `surfaces`.",
+            "`levels`, lower `optimizer.learning_rate` or `mesh.grid_mm`, or leave that surface "
+            "out of `surfaces`.",
         )
     return touched_component(level_set.vertices, level_set.faces, touching)
 

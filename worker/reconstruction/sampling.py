@@ -14,6 +14,7 @@ from schemas.options import SamplingOptions
 from schemas.vocabulary import Structure
 from worker.arrays import PlanePoints, Scalars
 from worker.reconstruction.hull import Hull
+from worker.reconstruction.observer import Cancelled, Observer
 from worker.reconstruction.samples import NO_SLICE, LabelledSamples, joined
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
@@ -36,11 +37,17 @@ def sample_level(
     radius: float,
     options: SamplingOptions,
     rng: np.random.Generator,
+    observer: Observer,
 ) -> LabelledSamples:
-    """Fresh samples of a level, `targets` and `known` in the order of `surfaces`."""
+    """Fresh samples of a level, `targets` and `known` in the order of `surfaces`.
+
+    Raises Cancelled when the observer asks to stop.
+    """
     everywhere = stack.points_unit
     parts = []
     for index, slice_ in enumerate(stack.slices):
+        if observer.is_cancelled():
+            raise Cancelled
         extent = slice_.drop(everywhere)
         parts += _on_slice(slice_, index, surfaces, extent, radius, options, rng)
     parts.append(_outside(hull, len(surfaces), options, rng))

@@ -41,7 +41,8 @@ def _build_slice(slice_: Slice, scale: float) -> StackSlice:
 
 
 def _points_mm(contour: Contour, scale: float) -> Points:
-    """Contour points without consecutive repeats, the closing one included."""
+    """Contour points without consecutive repeats; of a closed one, the closing one included."""
     points = np.asarray(contour.points, dtype=np.float64) * scale
     keep = np.any(points != np.roll(points, -1, axis=0), axis=1)
+    keep[-1] |= not contour.closed
     return points[keep]

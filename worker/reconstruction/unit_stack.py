@@ -1,7 +1,7 @@
 """Slices in unit coordinates: each a plane with two axes, outlines as rings in that plane."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -55,6 +55,15 @@ class UnitStack:
     """All slices of one frame in unit coordinates."""
 
     slices: tuple[UnitSlice, ...]
+
+    def showing(self, structures: Sequence[Structure]) -> "UnitStack":
+        """The same slices with the outlines of `structures` alone."""
+        return UnitStack(
+            tuple(
+                replace(s, outlines={k: o for k, o in s.outlines.items() if k in structures})
+                for s in self.slices
+            )
+        )
 
     @property
     def points_unit(self) -> Points:

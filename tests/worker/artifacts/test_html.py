@@ -123,6 +123,21 @@ def test_the_page_tells_the_numbers(report: Report, fact: str) -> None:
     assert fact in render_html(report)
 
 
+def test_the_page_says_so_where_there_is_nothing_to_warn_of(report: Report) -> None:
+    assert "No warnings." not in render_html(report)
+    calm = render_html(report.model_copy(update={"warnings": []}))
+    assert "No warnings." in calm
+    assert "Please check" not in calm
+
+
+def test_a_shift_that_rounds_to_nothing_has_no_sign(report: Report) -> None:
+    frame = report.frames[0]
+    still = frame.slices[0].model_copy(update={"shift_mm": (-0.004, 0.0, -1.006)})
+    changed = frame.model_copy(update={"slices": [still]})
+    page = render_html(report.model_copy(update={"frames": [changed]}))
+    assert "<td>0.00, 0.00, -1.01</td>" in page
+
+
 def test_the_page_can_tell_of_an_open_surface_and_of_no_levels(report: Report) -> None:
     frame = report.frames[0]
     opened = frame.surfaces[Structure.LV_ENDO].model_copy(

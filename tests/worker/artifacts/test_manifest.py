@@ -2,9 +2,9 @@ import hashlib
 from datetime import UTC, datetime
 from pathlib import Path
 
-from schemas.artifacts import Manifest
+from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.vocabulary import Axes
-from worker.artifacts.manifest import MANIFEST_FILE, describe, write_manifest
+from worker.artifacts.manifest import describe, write_manifest
 
 
 def _describe(out_dir: Path) -> Manifest:
@@ -35,5 +35,5 @@ def test_a_written_manifest_reads_back_and_does_not_list_itself(tmp_path: Path) 
     (tmp_path / "report.json").write_text("{}")
     manifest = _describe(tmp_path)
     write_manifest(tmp_path, manifest)
-    assert Manifest.model_validate_json((tmp_path / MANIFEST_FILE).read_text()) == manifest
+    assert Manifest.model_validate_json((tmp_path / MANIFEST_NAME).read_text()) == manifest
     assert _describe(tmp_path) == manifest

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from intake.limits import Limits
-from intake.nifti_header import read_nifti_header
+from intake.nifti_file import read_nifti_header
 from schemas.labels import TissueLabels
 from schemas.problem import InputError, ProblemType
 from tests.labelmaps.heart_maps import SAX_AFFINE

@@ -19,7 +19,7 @@ def test_what_is_no_heart_is_refused_with_its_bounds(wrong):
 
 
 def test_lengths_must_fit_each_other():
-    with pytest.raises(InputError, match=r"rv_reach_mm = 40 .*between 12 and 22"):
+    with pytest.raises(InputError, match=r"rv_reach_mm = 40; .*between 12 and 22"):
         HeartShape(lv_radius_mm=13.0, wall_mm=7.0, rv_reach_mm=40.0)
-    with pytest.raises(InputError, match=r"base_height_mm = 29 .*between 0 and 24"):
+    with pytest.raises(InputError, match=r"base_height_mm = 29; .*between 0 and 24"):
         HeartShape(lv_apex_depth_mm=30.0, base_height_mm=29.0)

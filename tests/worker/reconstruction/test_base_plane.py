@@ -79,3 +79,23 @@ def test_a_cut_sphere_is_open_along_one_loop() -> None:
     assert boundary_loop_count(opened) == 1
     assert opened.vertices_mm[:, 2].max() == pytest.approx(5.0)
     assert opened.vertices_mm[:, 2].min() == pytest.approx(mesh.vertices_mm[:, 2].min())
+
+
+@pytest.mark.parametrize("open_lax", [True, False])
+@pytest.mark.parametrize("flipped", [True, False])
+def test_a_single_short_axis_slice_does_not_turn_the_base_over(
+    open_lax: bool, flipped: bool
+) -> None:
+    """Whichever way its normal points; open outlines say it themselves, closed ones by tapering."""
+    document = half_ellipsoid_study(open_lax=True).model_dump(mode="json")
+    slices = document["frames"][0]["slices"]
+    one, *long_axis = slices[3], *(s for s in slices if s["view"] != "sax")
+    one["origin"] = one["contours"][0]["points"][0]
+    one["normal"] = [0.0, 0.0, -1.0 if flipped else 1.0]
+    for slice_ in long_axis:
+        slice_["contours"][0]["closed"] = not open_lax
+    document["frames"][0]["slices"] = [one, *long_axis]
+    study = ContourStudy.model_validate(document)
+    base = find_base(build_stack(study, study.frames[0]), ENDO)
+    np.testing.assert_allclose(base.toward_base, [0.0, 0.0, 1.0], atol=1e-6)
+    assert base.origin_mm[2] == pytest.approx(4.0 if open_lax else -20.0, abs=1e-6)

@@ -8,6 +8,7 @@ from schemas.options import NetworkOptions
 from schemas.vocabulary import Structure
 from worker.reconstruction.field_evaluation import FieldEvaluation
 from worker.reconstruction.network import TissueField
+from worker.reconstruction.observer import Cancelled, Unobserved
 from worker.reconstruction.surface_logits import SurfaceLogits
 from worker.reconstruction.tissues import partition
 
@@ -17,7 +18,7 @@ def evaluation() -> FieldEvaluation:
     classes = partition([Structure.LV_ENDO, Structure.LV_EPI])
     generator = torch.Generator().manual_seed(0)
     field = TissueField(classes.class_count, NetworkOptions(width=16), generator)
-    return FieldEvaluation(field, SurfaceLogits(classes))
+    return FieldEvaluation(field, SurfaceLogits(classes), Unobserved())
 
 
 def test_many_points_are_as_each_alone(evaluation: FieldEvaluation) -> None:
@@ -44,3 +45,28 @@ def test_gradients_agree_with_differences(evaluation: FieldEvaluation) -> None:
 
 def test_no_points_no_logits(evaluation: FieldEvaluation) -> None:
     assert evaluation.logits(np.empty((0, 3))).shape == (0, 2)
+
+
+class Impatient(Unobserved):
+    """Asks to stop at the second look."""
+
+    def __init__(self) -> None:
+        self.looks = 0
+
+    def is_cancelled(self) -> bool:
+        self.looks += 1
+        return self.looks > 1
+
+
+@pytest.mark.parametrize(("width", "depth", "chunk"), [(64, 4, 16384), (512, 4, 8192)])
+def test_it_stops_between_chunks_that_are_smaller_for_larger_networks(
+    width: int, depth: int, chunk: int
+) -> None:
+    classes = partition([Structure.LV_ENDO])
+    options = NetworkOptions(width=width, depth=depth)
+    field = TissueField(classes.class_count, options, torch.Generator().manual_seed(0))
+    logits_of = FieldEvaluation(field, SurfaceLogits(classes), Impatient()).logits
+    assert logits_of(np.zeros((4, 3))).shape == (4, 1)
+    again = FieldEvaluation(field, SurfaceLogits(classes), Impatient())
+    with pytest.raises(Cancelled):
+        again.logits_and_gradient(np.zeros((chunk + 1, 3)), 0)

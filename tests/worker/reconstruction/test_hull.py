@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from schemas.problem import InputError, ProblemType
+from worker.reconstruction import hull
 from worker.reconstruction.hull import inflated_hull
 
 
@@ -40,3 +41,12 @@ def test_points_in_a_plane_are_refused_with_the_remedy(cube: np.ndarray) -> None
     with pytest.raises(InputError, match="add slices") as refused:
         inflated_hull(cube * [1.0, 1.0, 0.0], 1.1)
     assert refused.value.type is ProblemType.TOO_FEW_SLICES
+
+
+def test_many_points_are_told_apart_in_blocks_as_at_once(
+    cube: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = inflated_hull(cube, 1.1).beyond(500, np.random.default_rng(0))
+    monkeypatch.setattr(hull, "_PAIRS_AT_ONCE", 100)
+    blocks = inflated_hull(cube, 1.1).beyond(500, np.random.default_rng(0))
+    np.testing.assert_array_equal(whole, blocks)

@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from schemas.job import Progress, Stage
 from schemas.options import Base, Options
+from schemas.problem import InputError
+from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_watertight
@@ -105,6 +107,29 @@ def test_open_base_is_open(concentric_spheres, quick: Options) -> None:
     options = quick.model_copy(update={"base": Base.OPEN})
     mesh = reconstruct(concentric_spheres(), options).frames[0].surfaces[ENDO]
     assert not is_watertight(mesh)
+
+
+def test_an_open_base_that_cannot_be_found_is_found_out_before_the_fit(
+    concentric_spheres, quick: Options
+) -> None:
+    document = concentric_spheres().model_dump(mode="json")
+    frame = document["frames"][0]
+    frame["slices"] = [s for s in frame["slices"] if s["view"] != "sax"]
+    study = ContourStudy.model_validate(document)
+    watcher = Watcher()
+    with pytest.raises(InputError, match="open base"):
+        reconstruct(study, quick.model_copy(update={"base": Base.OPEN}), watcher)
+    assert not watcher.seen
+
+
+def test_the_heart_of_a_mouse_is_meshed_as_finely_as_a_mans(
+    concentric_spheres, quick: Options
+) -> None:
+    """A cell of 3 mm is wider than this whole heart."""
+    study = concentric_spheres(endo_mm=1.4, epi_mm=2.0, spacing_mm=0.5)
+    mesh = reconstruct(study, quick).frames[0].surfaces[ENDO]
+    assert euler_number(mesh) == 2
+    assert volume_ml(mesh) == pytest.approx(4e-3 / 3 * np.pi * 1.4**3, rel=0.05)
 
 
 class Watcher:

@@ -8,6 +8,7 @@ from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from worker.reconstruction.hull import inflated_hull
 from worker.reconstruction.normalisation import normalise
+from worker.reconstruction.observer import Unobserved
 from worker.reconstruction.samples import NO_SLICE
 from worker.reconstruction.sampling import level_radius, sample_level
 from worker.reconstruction.stacking import build_stack
@@ -25,7 +26,11 @@ def sampled(concentric_spheres):
     hull = inflated_hull(stack.points_unit, OPTIONS.hull_inflation)
     rng = np.random.default_rng(7)
     radius = level_radius(2, 6, OPTIONS)
-    return frame, stack, sample_level(stack, (ENDO, EPI, RV), hull, radius, OPTIONS, rng)
+    return (
+        frame,
+        stack,
+        sample_level(stack, (ENDO, EPI, RV), hull, radius, OPTIONS, rng, Unobserved()),
+    )
 
 
 def test_targets_are_the_occupancy_of_the_spheres(sampled) -> None:
@@ -74,7 +79,9 @@ def test_a_chord_of_an_open_outline_is_no_observed_boundary(concentric_spheres) 
     study = ContourStudy.model_validate(document)
     stack, frame = normalise(build_stack(study, study.frames[0]))
     hull = inflated_hull(stack.points_unit, OPTIONS.hull_inflation)
-    samples = sample_level(stack, (ENDO, EPI), hull, 0.05, OPTIONS, np.random.default_rng(0))
+    samples = sample_level(
+        stack, (ENDO, EPI), hull, 0.05, OPTIONS, np.random.default_rng(0), Unobserved()
+    )
     boundary = samples.known[:, 0] & (samples.targets[:, 0] == 0.5)
     radii = np.linalg.norm(frame.to_mm(samples.points_unit[boundary]) - CENTRE_MM, axis=1)
     assert np.abs(radii - 25.0).max() < 0.05
@@ -93,7 +100,8 @@ def test_same_generator_same_samples(concentric_spheres) -> None:
     stack, _ = normalise(build_stack(study, study.frames[0]))
     hull = inflated_hull(stack.points_unit, 1.1)
     a, b = (
-        sample_level(stack, (ENDO,), hull, 0.1, OPTIONS, np.random.default_rng(3)) for _ in range(2)
+        sample_level(stack, (ENDO,), hull, 0.1, OPTIONS, np.random.default_rng(3), Unobserved())
+        for _ in range(2)
     )
     np.testing.assert_array_equal(a.points_unit, b.points_unit)
     np.testing.assert_array_equal(a.targets, b.targets)

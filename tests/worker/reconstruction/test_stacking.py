@@ -82,3 +82,13 @@ def test_observed_absent_and_unknown_are_told_apart(concentric_spheres) -> None:
     assert Structure.RV_ENDO not in top.outlines
     assert Structure.RV_ENDO not in top.absent
     assert stack.observed == {Structure.LV_ENDO, Structure.LV_EPI}
+
+
+def test_an_open_outline_that_meets_itself_keeps_its_last_edge(concentric_spheres) -> None:
+    document = concentric_spheres().model_dump(mode="json")
+    contour = document["frames"][0]["slices"][4]["contours"][0]
+    contour["closed"] = False
+    contour["points"].append(contour["points"][0])
+    study = ContourStudy.model_validate(document)
+    (outline,) = build_stack(study, study.frames[0]).slices[4].outlines[Structure.LV_ENDO]
+    np.testing.assert_array_equal(outline.points_mm[0], outline.points_mm[-1])

@@ -1,0 +1,29 @@
+"""The workers that are alive, by their heartbeats in Redis."""
+
+from typing import cast
+
+from redis import Redis
+
+from jobs.redis_clock import now_us
+
+_KEY = "neuralmri:workers"
+
+_FORGOTTEN_AFTER_S = 3600.0
+"""Names of workers that are gone would pile up: each start of a container brings a new one."""
+
+
+class LiveWorkers:
+    """Names of workers with their last sign of life. Every method raises RedisError."""
+
+    def __init__(self, redis: Redis) -> None:
+        self._redis = redis
+
+    def heartbeat(self, worker_name: str) -> None:
+        """Say that a worker is alive and taking jobs."""
+        self._redis.zadd(_KEY, {worker_name: now_us(self._redis) / 1e6})
+
+    def names(self, within_s: float) -> list[str]:
+        """The workers whose last heartbeat is no older than `within_s`."""
+        oldest = now_us(self._redis) / 1e6 - within_s
+        self._redis.zremrangebyscore(_KEY, "-inf", oldest - _FORGOTTEN_AFTER_S)
+        return sorted(cast(list[str], self._redis.zrangebyscore(_KEY, oldest, "+inf")))
