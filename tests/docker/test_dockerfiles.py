@@ -1,8 +1,10 @@
 """Laws of the two Dockerfiles' text, and a linter that must find nothing."""
 
+import os
 import re
 import shutil
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
@@ -42,8 +44,9 @@ def copied_packages(dockerfile: Path) -> set[str]:
 
 def lint(path: str, text: str | None = None) -> subprocess.CompletedProcess[str]:
     # Strict: every severity counts, none is ignored by a configuration file elsewhere.
-    hadolint = shutil.which("hadolint")
-    assert hadolint, "hadolint is not on PATH; install the test extra"
+    beside_python = str(Path(sys.executable).parent)
+    hadolint = shutil.which("hadolint", path=os.pathsep.join([beside_python, os.environ["PATH"]]))
+    assert hadolint, "hadolint is not installed; install the test extra"
     return subprocess.run(
         [hadolint, "--no-color", "--failure-threshold", "style", path],
         input=text,

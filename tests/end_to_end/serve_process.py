@@ -38,6 +38,8 @@ class ServeProcess:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
+            # A test run in the background of a script ignores Ctrl-C, and so would its children.
+            preexec_fn=_listen_to_ctrl_c,
         )
 
     def wait_until_ready(self) -> "ServeProcess":
@@ -76,6 +78,10 @@ class ServeProcess:
         """Wait for its end; exit code and standard error."""
         _, error = self.process.communicate(timeout=60)
         return self.process.returncode, error.decode()
+
+
+def _listen_to_ctrl_c() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def gone(processes: list[psutil.Process], within_s: float) -> list[psutil.Process]:

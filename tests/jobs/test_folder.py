@@ -5,6 +5,7 @@ import subprocess
 import sys
 import textwrap
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -214,31 +215,36 @@ def test_an_erasure_cut_short_is_finished_by_the_sweep(store: JobStore, folder: 
     assert list(store.root.iterdir()) == []
 
 
-@pytest.fixture
+@contextmanager
 def no_room() -> Iterator[None]:
-    """Files can be made, but nothing written into them, as on a full disk."""
+    """Files can be made, but nothing written into them, as on a full disk.
+
+    For a moment only: the limit is the whole process's, the test runner's own output included.
+    """
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
-    yield
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
-def test_a_full_disk_leaves_no_half_outcome(folder: JobFolder, no_room: None) -> None:
+def test_a_full_disk_leaves_no_half_outcome(folder: JobFolder) -> None:
     before = sorted(folder.path.iterdir())
-    with pytest.raises(OSError, match="too large"):
+    with no_room(), pytest.raises(OSError, match="too large"):
         folder.write_outcome(outcome(JobState.SUCCEEDED))
     assert sorted(folder.path.iterdir()) == before
     assert folder.outcome() is None
 
 
-def test_a_full_disk_is_noticed_and_not_filled_with_probes(store: JobStore, no_room: None) -> None:
-    assert not store.is_writable()
+def test_a_full_disk_is_noticed_and_not_filled_with_probes(store: JobStore) -> None:
+    with no_room():
+        is_writable = store.is_writable()
+    assert not is_writable
     assert list(store.root.iterdir()) == []
 
 
-def test_a_full_disk_leaves_no_half_job(
-    store: JobStore, request_: JobRequest, no_room: None
-) -> None:
-    with pytest.raises(OSError, match="too large"):
+def test_a_full_disk_leaves_no_half_job(store: JobStore, request_: JobRequest) -> None:
+    with no_room(), pytest.raises(OSError, match="too large"):
         store.folder(request_.job_id).create(request_, {"sax.nii": b"voxels"})
     assert list(store.root.iterdir()) == []
