@@ -1,0 +1,58 @@
+"""Real hearts, where there are any beside the checkout: the figures that the method promises."""
+
+from pathlib import Path
+
+import pytest
+
+from cli.mesh_file import read_surface
+from intake.limits import Limits
+from schemas.labels import LabelRequest
+from schemas.options import Options
+from schemas.study import ContourStudy
+from schemas.vocabulary import Structure, View
+from worker.evaluation.distance import surface_to_surface
+from worker.evaluation.function import lv_function
+from worker.evaluation.size import volume_ml
+from worker.evaluation.topology import euler_number, is_watertight
+from worker.labelmaps.reading import read_label_maps
+from worker.reconstruction.pipeline import reconstruct
+
+DATA = Path(__file__).resolve().parents[3] / "shared" / "data"
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not DATA.is_dir(), reason="no real hearts beside the checkout"),
+]
+
+
+def study_at(path: str) -> ContourStudy:
+    return ContourStudy.model_validate_json((DATA / path).read_bytes())
+
+
+@pytest.mark.parametrize("case", ["bivme-patient1-ed", "bivme-patient1-ed-shifted"])
+def test_surfaces_lie_on_their_references(case: str) -> None:
+    (frame,) = reconstruct(study_at(f"cases/{case}/contours.json"), Options()).frames
+    assert set(frame.surfaces) == {Structure.LV_ENDO, Structure.LV_EPI, Structure.RV_ENDO}
+    for structure, mesh in frame.surfaces.items():
+        reference = read_surface(DATA / f"cases/{case}/reference/{structure}.ply")
+        assert is_watertight(mesh)
+        assert euler_number(mesh) == 2
+        assert surface_to_surface(mesh, reference).mean_mm <= 0.3
+        assert volume_ml(mesh) == pytest.approx(volume_ml(reference), rel=0.02)
+
+
+def test_ejection_fraction_of_a_failing_heart() -> None:
+    study = study_at("sunnybrook/SC-HF-I-1.json")
+    frames = {f.label: f.surfaces for f in reconstruct(study, Options()).frames}
+    volumes = [volume_ml(frames[label][Structure.LV_ENDO]) for label in ("ED", "ES")]
+    assert lv_function(*volumes).lv_ejection_fraction_percent == pytest.approx(26.0, abs=2.0)
+
+
+def test_a_label_map_that_lost_its_scale_is_a_heart_and_not_a_thimble() -> None:
+    request = LabelRequest.model_validate({"subject_id": "acdc", "label_scheme": "acdc"})
+    file = DATA / "nifti/acdc/patient101_frame01_gt.nii.gz"
+    study, warnings = read_label_maps({View.SAX: file}, request, Limits())
+    assert any("pixdim" in warning for warning in warnings)
+    options = Options(surfaces=[Structure.LV_ENDO])
+    mesh = reconstruct(study, options).frames[0].surfaces[Structure.LV_ENDO]
+    assert volume_ml(mesh) == pytest.approx(223.0, rel=0.03)
