@@ -7,7 +7,10 @@ import signal
 import socket
 import subprocess
 import time
+from functools import partial
 from pathlib import Path
+
+from worker.parent_death import die_with_parent
 
 
 def redis_binary() -> str:
@@ -50,6 +53,7 @@ class RedisServer:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            preexec_fn=partial(die_with_parent, os.getpid()),
         )
         deadline = time.monotonic() + 20.0
         while not self._answers():

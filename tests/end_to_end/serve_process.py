@@ -6,11 +6,13 @@ import signal
 import subprocess
 import sysconfig
 import time
+from functools import partial
 from pathlib import Path
 
 import psutil
 
 from tests.redis_server import free_port
+from worker.parent_death import die_with_parent
 
 NEURALMRI = str(Path(sysconfig.get_path("scripts")) / "neuralmri")
 _READY_WITHIN_S = 90.0
@@ -38,8 +40,7 @@ class ServeProcess:
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
-            # A test run in the background of a script ignores Ctrl-C, and so would its children.
-            preexec_fn=_listen_to_ctrl_c,
+            preexec_fn=partial(_as_a_users, os.getpid()),
         )
 
     def wait_until_ready(self) -> "ServeProcess":
@@ -80,8 +81,13 @@ class ServeProcess:
         return self.process.returncode, error.decode()
 
 
-def _listen_to_ctrl_c() -> None:
+def _as_a_users(parent_pid: int) -> None:
+    """In the server before it starts: it ends with the tests, and listens to Ctrl-C.
+
+    Where the tests run in the background of a script they ignore Ctrl-C, and so would it.
+    """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    die_with_parent(parent_pid, signal.SIGTERM)
 
 
 def gone(processes: list[psutil.Process], within_s: float) -> list[psutil.Process]:
