@@ -31,7 +31,8 @@ test: install
 
 # CASES=DIR adds cases with references: DIR/*/contours.json and reference/{surface}.ply
 bench: install
-	$(BIN)/python -m benchmarks.accuracy $(if $(CASES),--cases '$(CASES)') > docs/benchmarks.md
+	$(BIN)/python -m benchmarks.accuracy $(if $(CASES),--cases '$(CASES)') > docs/benchmarks.md.new
+	mv docs/benchmarks.md.new docs/benchmarks.md
 
 lint: install
 	$(BIN)/ruff format --check .

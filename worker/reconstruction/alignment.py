@@ -16,7 +16,6 @@ from worker.reconstruction.unit_stack import UnitSlice, UnitStack
 _HELD = 0.1
 """Least squared sine between a direction and the long-axis planes' normals to count as held."""
 
-
 _ANATOMY_DEGREE = 3
 """Profiles along the stack up to this degree are anatomy where no long-axis slice says otherwise.
 

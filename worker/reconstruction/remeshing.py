@@ -6,11 +6,10 @@ import warnings
 import numpy as np
 import pyacvd
 import pyvista
+import trimesh
 
 from schemas.problem import InternalError, ProblemType
 from worker.arrays import SomeFaces, SomePoints
-from worker.evaluation.topology import euler_number, is_watertight
-from worker.surface_mesh import SurfaceMesh
 
 _CLUSTERS_PER_VERTEX = 4
 """Approximated centroidal Voronoi clustering wants a few input vertices in every cluster."""
@@ -27,7 +26,7 @@ def remesh(vertices: SomePoints, faces: SomeFaces, edge: float) -> tuple[SomePoi
     result is in one case of twelve not closed or not consistently oriented: then with slightly
     fewer clusters. Raises InternalError when none of several attempts is closed.
     """
-    given = SurfaceMesh(vertices, faces)
+    given = trimesh.Trimesh(vertices, faces, process=False)
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = 0.5 * float(np.linalg.norm(normals, axis=1).sum())
@@ -36,9 +35,13 @@ def remesh(vertices: SomePoints, faces: SomeFaces, edge: float) -> tuple[SomePoi
     cells = np.column_stack([np.full(len(faces), 3), faces]).ravel()
     subdivisions = math.ceil(math.log(max(_CLUSTERS_PER_VERTEX * target / len(vertices), 1), 4))
     for attempt in range(_ATTEMPTS):
-        even = _clustered(vertices, cells, subdivisions, round(target * _FEWER**attempt))
-        if is_watertight(even) and euler_number(even) == euler_number(given):
-            return even.vertices_mm, even.faces
+        even_vertices, even_faces = _clustered(
+            vertices, cells, subdivisions, round(target * _FEWER**attempt)
+        )
+        even = trimesh.Trimesh(even_vertices, even_faces, process=False)
+        closed = even.is_watertight and even.is_winding_consistent
+        if closed and even.euler_number == given.euler_number:
+            return even_vertices, even_faces
     raise InternalError(
         ProblemType.NO_SURFACE,
         "No even triangulation of a surface came out closed; choose another `target_edge_mm`, or "
@@ -48,7 +51,7 @@ def remesh(vertices: SomePoints, faces: SomeFaces, edge: float) -> tuple[SomePoi
 
 def _clustered(
     vertices: SomePoints, cells: np.ndarray, subdivisions: int, target: int
-) -> SurfaceMesh:
+) -> tuple[SomePoints, SomeFaces]:
     with warnings.catch_warnings():
         # pyacvd 0.4 reads an attribute that pyvista renamed; the value is the same.
         warnings.filterwarnings("ignore", message=".PolyData._connectivity_array. is deprecated")
@@ -57,7 +60,7 @@ def _clustered(
             clustering.subdivide(subdivisions)
         clustering.cluster(target)
         even = clustering.create_mesh()
-    return SurfaceMesh(
+    return (
         np.asarray(even.points, dtype=np.float64),
         np.asarray(even.faces, dtype=np.int64).reshape(-1, 4)[:, 1:],
     )
