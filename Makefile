@@ -3,7 +3,7 @@
 #   make demo      a phantom heart through the whole service, into ./demo
 #   make test      every test
 #   make check     what CI runs: static checks, then every test
-#   make bench     accuracy and speed beside a classical baseline, into docs/benchmarks.md
+#   make bench     accuracy and speed beside classical methods, into docs/benchmarks.md; half an hour
 #   make openapi   write openapi.yaml anew from the code
 #   make clean     remove .venv, caches and ./demo
 #
@@ -31,8 +31,8 @@ test: install
 
 # CASES=DIR adds cases with references: DIR/*/contours.json and reference/{surface}.ply
 bench: install
-	$(BIN)/python -m benchmarks.accuracy $(if $(CASES),--cases '$(CASES)') > docs/benchmarks.md.new
-	mv docs/benchmarks.md.new docs/benchmarks.md
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	$(BIN)/python -m benchmarks $(if $(CASES),--cases '$(CASES)')
 
 lint: install
 	$(BIN)/ruff format --check .

@@ -37,14 +37,25 @@ class NetworkOptions(WireModel):
     width: int = Field(default=64, ge=8, le=512)
     depth: int = Field(default=4, ge=1, le=12, description="Hidden layers.")
     first_frequency: float = Field(
-        default=8.0, gt=0.0, le=60.0, description="Radians per half-extent of the first sine layer."
+        default=6.0, gt=0.0, le=60.0, description="Radians per half-extent of the first sine layer."
     )
 
 
-class OptimizerOptions(WireModel):
-    """Adam with a cosine-decayed learning rate."""
+class OptimizerMethod(StrEnum):
+    """How a gradient becomes a step."""
 
-    learning_rate: float = Field(default=1e-2, gt=0.0, le=0.1)
+    MUON = "muon"
+    ADAM = "adam"
+
+
+class OptimizerOptions(WireModel):
+    """Gradient descent with a cosine-decayed learning rate."""
+
+    method: OptimizerMethod = Field(
+        default=OptimizerMethod.MUON,
+        description="muon: orthogonalised steps for the hidden matrices, Adam for the rest.",
+    )
+    learning_rate: float = Field(default=3e-2, gt=0.0, le=0.1)
     samples_per_step: int = Field(default=2048, ge=64, le=65536)
 
 
@@ -72,11 +83,17 @@ class SamplingOptions(WireModel):
 class LossOptions(WireModel):
     """BCE + hinge_weight * mean(max(0, |gradient| - hinge_slope))."""
 
+    contour_weight: float = Field(
+        default=64.0,
+        gt=0.0,
+        le=1e4,
+        description="Of a sample on a contour, beside one inside or outside, in the mean BCE.",
+    )
     hinge_weight: float = Field(default=1e-4, ge=0.0, le=10.0, description="lambda")
     hinge_slope: float = Field(
-        default=30.0, gt=0.0, le=1e4, description="alpha, logits per half-extent"
+        default=100.0, gt=0.0, le=1e4, description="alpha, logits per half-extent"
     )
-    hinge_samples: int = Field(default=256, ge=1, le=65536)
+    hinge_samples: int = Field(default=64, ge=1, le=65536)
 
 
 class AlignmentOptions(WireModel):
@@ -87,9 +104,12 @@ class AlignmentOptions(WireModel):
         default=3.0, gt=0.0, le=20.0, description="Standard deviation of the shift prior."
     )
     learning_rate: float = Field(
-        default=5e-3, gt=0.0, le=0.1, description="Of the shifts, half-extents a step."
+        default=1e-2, gt=0.0, le=0.1, description="Of the shifts, half-extents a step."
     )
     max_shift_mm: float = Field(default=12.0, gt=0.0, le=50.0)
+    rotate: bool = Field(
+        default=False, description="Let slices also turn about their own normal, by 20° at most."
+    )
 
 
 class MeshOptions(WireModel):
@@ -122,7 +142,12 @@ class Options(WireModel):
         max_length=len(MeshFormat),
     )
     target_edge_mm: float | None = Field(
-        default=None, ge=0.5, le=10.0, description="Remesh isotropically to this edge length."
+        default=None,
+        ge=0.5,
+        le=10.0,
+        description="Remesh isotropically to this edge length, mm, shorter where the surface bends "
+        "within one edge. Not finer than `mesh.grid_mm`. Left out, triangles are as they come from "
+        "the grid, slivers among them.",
     )
     holdout: Literal["none"] = "none"
     compare_with: list[str] = Field(
@@ -174,13 +199,16 @@ class Options(WireModel):
 PRESETS: dict[str, dict[str, Any]] = {
     Preset.FAST: {
         "levels": 4,
-        "iterations_per_level": 60,
+        "iterations_per_level": 90,
+        "optimizer": {"samples_per_step": 1536},
         "mesh": {"grid_mm": 2.0},
     },
     Preset.STANDARD: {},
     Preset.PAPER: {
         "align_slices": False,
-        "loss": {"hinge_slope": 100.0},
+        "network": {"first_frequency": 8.0},
+        "optimizer": {"method": "adam", "learning_rate": 1e-2},
+        "loss": {"contour_weight": 1.0, "hinge_samples": 256},
         "mesh": {"projection_steps": 0},
     },
 }

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[1]
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 PACKAGES = sorted(path.parent.name for path in ROOT.glob("*/__init__.py"))
 
-SCIENCE = ("torch", "scipy", "skimage", "trimesh", "nibabel", "igl", "pyacvd", "vtk", "worker")
+SCIENCE = ("torch", "scipy", "skimage", "trimesh", "nibabel", "igl", "vtk", "worker")
 
 
 def files_of_the_tree() -> list[Path]:

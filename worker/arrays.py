@@ -12,6 +12,9 @@ SomePoints = Float[np.ndarray, "_ 3"]
 PlanePoints = Float[np.ndarray, "n 2"]
 """Points in a slice's own two in-plane axes, mm."""
 
+PlanePoint = Float[np.ndarray, "2"]
+"""One of them, or a direction there."""
+
 Scalars = Float[np.ndarray, " n"]
 """One number a point."""
 

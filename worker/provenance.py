@@ -11,7 +11,7 @@ from schemas.report import Provenance
 from schemas.study import ContourStudy
 from schemas.vocabulary import View
 
-_LIBRARIES = ("libigl", "numpy", "pyacvd", "scikit-image", "scipy", "torch", "trimesh")
+_LIBRARIES = ("libigl", "numpy", "scikit-image", "scipy", "torch", "trimesh")
 
 
 def software() -> str:

@@ -15,6 +15,7 @@ from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
+from worker.artifacts.evidence import SUPPORT, vertex_support_mm
 from worker.artifacts.html import render_html
 from worker.artifacts.manifest import describe
 from worker.artifacts.meshes import write_mesh
@@ -114,10 +115,13 @@ def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
 
 def _write_meshes(reconstruction: Reconstruction, options: Options, out_dir: Path) -> None:
     for frame in reconstruction.frames:
+        support_mm = vertex_support_mm(frame)
         for structure, mesh in frame.surfaces.items():
             name = mesh_name(frame.label, structure)
+            at_vertices = {SUPPORT: support_mm[structure]}
             for form in dict.fromkeys(options.formats):
-                write_mesh(out_dir / f"{name}.{form}", mesh, name, reconstruction.axes)
+                path = out_dir / f"{name}.{form}"
+                write_mesh(path, mesh, name, reconstruction.axes, at_vertices)
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from schemas.options import PRESETS, Options, Preset
+from schemas.options import PRESETS, OptimizerMethod, Options, Preset
 from schemas.vocabulary import MeshFormat
 
 
@@ -38,6 +38,16 @@ def test_nothing_named_is_the_published_default() -> None:
     assert options.formats == [MeshFormat.STL, MeshFormat.OBJ]
     assert options.surfaces is None
     assert options.preset is Preset.STANDARD
+    assert options.optimizer.method is OptimizerMethod.MUON
+    assert options.align_slices
+    assert not options.alignment.rotate
+
+
+def test_the_published_recipe_descends_weighs_and_aligns_as_published() -> None:
+    paper = Options(preset=Preset.PAPER)
+    assert paper.optimizer.method is OptimizerMethod.ADAM
+    assert paper.loss.contour_weight == 1.0
+    assert not paper.align_slices
 
 
 @pytest.mark.parametrize("preset", list(Preset))
@@ -87,7 +97,13 @@ def test_options_survive_the_wire(preset: Preset) -> None:
         {"surfaces": ["lv_endo"] * 6},
         {"formats": ["stl"] * 6},
         {"network": {"width": 1}},
+        {"optimizer": {"method": "sgd"}},
+        {"optimizer": {"learning_rate": 0.2}},
         {"loss": {"hinge_weight": float("nan")}},
+        {"loss": {"contour_weight": 0.0}},
+        {"loss": {"contour_weight": 1e5}},
+        {"alignment": {"rotate": "sideways"}},
+        {"alignment": {"first_level": -1}},
         {"mesh": {"grid_mm": 0}},
         {"mesh": 3},
         {"preset": "fast", "mesh": 3},

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+import pyvista
 
 from intake.limits import Limits
 from schemas.job import Progress, Stage
@@ -10,7 +11,7 @@ from schemas.options import Options
 from schemas.problem import InputError
 from schemas.report import Report
 from schemas.study import ContourStudy
-from schemas.vocabulary import MeshFormat
+from schemas.vocabulary import MeshFormat, View
 from worker.phantom.standard_study import standard_study
 from worker.reconstruction.observer import Cancelled
 from worker.subject import Finished, run
@@ -18,8 +19,8 @@ from worker.subject import Finished, run
 QUICK = Options.model_validate(
     {
         "preset": "fast",
-        "levels": 2,
-        "iterations_per_level": 20,
+        "levels": 3,
+        "iterations_per_level": 60,
         "mesh": {"grid_mm": 4.0},
         "formats": list(MeshFormat),
     }
@@ -127,3 +128,30 @@ def test_a_study_that_cannot_be_reconstructed_is_refused_at_the_door(
     assert refused.value.pointer is not None
     assert refused.value.pointer.startswith("/study/frames/0")
     assert Stage.FITTING not in [p.stage for p in watcher.seen]
+
+
+def test_support_is_at_every_vertex_of_the_files_that_can_hold_it(
+    study: ContourStudy, tmp_path: Path
+) -> None:
+    finished = reconstructed(study, tmp_path / "out", Watcher())
+    for name, surface in finished.report.frames[0].surfaces.items():
+        path = tmp_path / "out" / f"ED_{name}.vtp"
+        support_mm = pyvista.XMLPolyDataReader(str(path)).read().point_data["support_mm"]
+        assert len(support_mm) == surface.vertices
+        assert float(support_mm.max()) == pytest.approx(surface.support_mm.max, abs=1e-4)
+        header = (tmp_path / "out" / f"ED_{name}.ply").read_bytes()[:400]
+        assert b"property float support_mm" in header
+
+
+def test_short_axis_slices_alone_are_warned_of_and_long_axis_slices_are_not(
+    study: ContourStudy, tmp_path: Path
+) -> None:
+    frame = study.frames[0]
+    across = [s for s in frame.slices if s.view is View.SAX]
+    alone = study.model_copy(update={"frames": [frame.model_copy(update={"slices": across})]})
+    whole = reconstructed(study, tmp_path / "whole", Watcher()).report
+    report = reconstructed(alone, tmp_path / "alone", Watcher()).report
+    assert not [w for w in whole.warnings if "extrapolated" in w]
+    told = [w for w in report.warnings if "extrapolated" in w]
+    assert len(told) == len(report.frames[0].surfaces) == 3
+    assert all("apex" in w and "mm from the nearest contour" in w for w in told)

@@ -1,11 +1,12 @@
-"""A surface as a file: STL, OBJ, PLY, VTP or GLB. The bytes depend on mesh, name and axes only.
+"""A surface as a file: STL, OBJ, PLY, VTP or GLB. The bytes depend on what is passed in only.
 
 STL, OBJ, PLY and VTP hold millimetres in the study's own axes and say so inside the file. glTF is
 by its standard in metres with Y up, so a GLB holds the same millimetre vertices under a node whose
 matrix turns them into metres with the head up (+Y), the patient facing +Z.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from trimesh.exchange.gltf import export_glb
 from trimesh.exchange.ply import export_ply
 
 from schemas.vocabulary import Axes, MeshFormat
+from worker.arrays import Scalars
 from worker.surface_mesh import SurfaceMesh
 
 _STL_HEADER_BYTES = 80
@@ -39,7 +41,21 @@ _TO_GLTF_M = {
 }
 
 
-def write_mesh(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
+@dataclass(frozen=True, eq=False)
+class _Content:
+    mesh: SurfaceMesh
+    name: str
+    axes: Axes
+    at_vertices: Mapping[str, Scalars]
+
+
+def write_mesh(
+    path: Path,
+    mesh: SurfaceMesh,
+    name: str,
+    axes: Axes,
+    at_vertices: Mapping[str, Scalars] | None = None,
+) -> None:
     """Write `mesh` to `path`; the file name's ending is the format.
 
     Args:
@@ -47,15 +63,20 @@ def write_mesh(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
         mesh: Vertices in mm, patient axes.
         name: What the surface is called inside the file, e.g. `ED_lv_endo`.
         axes: The axes that the vertices are in.
+        at_vertices: By name, one number for each vertex, (n,), written as float32: a vertex
+            property of a PLY, a point data array of a VTP. The other formats have no place for it.
     """
-    _WRITERS[MeshFormat(path.suffix.removeprefix("."))](path, mesh, name, axes)
+    write = _WRITERS[MeshFormat(path.suffix.removeprefix("."))]
+    write(path, _Content(mesh, name, axes, at_vertices or {}))
 
 
-def _stl(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
+def _stl(path: Path, content: _Content) -> None:
     """Binary STL. The header must not start with 'solid', which means an ASCII file."""
-    header = f"neuralmri binary STL, units=mm axes={axes} name={name}".encode("ascii")
-    facets = np.zeros(len(mesh.faces), dtype=_STL_FACET)
-    facets["corners"] = mesh.triangles_mm
+    header = f"neuralmri binary STL, units=mm axes={content.axes} name={content.name}".encode(
+        "ascii"
+    )
+    facets = np.zeros(len(content.mesh.faces), dtype=_STL_FACET)
+    facets["corners"] = content.mesh.triangles_mm
     # Normals follow the corners as stored, so that a reader who recomputes them agrees.
     corners = facets["corners"].astype(np.float64)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -66,36 +87,46 @@ def _stl(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
     path.write_bytes(header + count.tobytes() + facets.tobytes())
 
 
-def _obj(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
+def _obj(path: Path, content: _Content) -> None:
     # Adding zero turns a rounded -0.0 into 0.0: one number, one spelling.
-    vertices_mm = np.round(mesh.vertices_mm, _OBJ_DECIMALS) + 0.0
-    lines = ["# neuralmri", "# units: mm", f"# axes: {axes}", f"o {name}"]
+    vertices_mm = np.round(content.mesh.vertices_mm, _OBJ_DECIMALS) + 0.0
+    lines = ["# neuralmri", "# units: mm", f"# axes: {content.axes}", f"o {content.name}"]
     lines += [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in vertices_mm.tolist()]
-    lines += [f"f {a} {b} {c}" for a, b, c in (mesh.faces + 1).tolist()]
+    lines += [f"f {a} {b} {c}" for a, b, c in (content.mesh.faces + 1).tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="ascii", newline="\n")
 
 
-def _ply(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
+def _ply(path: Path, content: _Content) -> None:
     """Binary PLY, with the comments that the library leaves no way to pass."""
-    exported: bytes = export_ply(_as_trimesh(mesh))
+    surface = _as_trimesh(content.mesh)
+    for name, values in content.at_vertices.items():
+        surface.vertex_attributes[name] = values.astype("<f4")
+    exported: bytes = export_ply(surface)
     magic, form, rest = exported.split(b"\n", 2)
-    comment = f"comment neuralmri units=mm axes={axes} name={name}".encode("ascii")
+    comment = f"comment neuralmri units=mm axes={content.axes} name={content.name}".encode("ascii")
     path.write_bytes(b"\n".join([magic, form, comment, rest]))
 
 
-def _vtp(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
-    surface = pyvista.PolyData.from_regular_faces(mesh.vertices_mm, mesh.faces)
+def _vtp(path: Path, content: _Content) -> None:
+    surface = pyvista.PolyData.from_regular_faces(content.mesh.vertices_mm, content.mesh.faces)
     surface.field_data["units"] = ["mm"]
-    surface.field_data["axes"] = [str(axes)]
-    surface.field_data["name"] = [name]
+    surface.field_data["axes"] = [str(content.axes)]
+    surface.field_data["name"] = [content.name]
+    for name, values in content.at_vertices.items():
+        surface.point_data[name] = values.astype(np.float32)
     surface.save(path)
 
 
-def _glb(path: Path, mesh: SurfaceMesh, name: str, axes: Axes) -> None:
+def _glb(path: Path, content: _Content) -> None:
     to_gltf = np.eye(4)
-    to_gltf[:3, :3] = _TO_GLTF_M[axes]
+    to_gltf[:3, :3] = _TO_GLTF_M[content.axes]
     scene = trimesh.Scene()
-    scene.add_geometry(_as_trimesh(mesh), node_name=name, geom_name=name, transform=to_gltf)
+    scene.add_geometry(
+        _as_trimesh(content.mesh),
+        node_name=content.name,
+        geom_name=content.name,
+        transform=to_gltf,
+    )
     path.write_bytes(export_glb(scene))
 
 
@@ -104,7 +135,7 @@ def _as_trimesh(mesh: SurfaceMesh) -> trimesh.Trimesh:
     return trimesh.Trimesh(mesh.vertices_mm, mesh.faces, process=False)
 
 
-_WRITERS: dict[MeshFormat, Callable[[Path, SurfaceMesh, str, Axes], None]] = {
+_WRITERS: dict[MeshFormat, Callable[[Path, _Content], None]] = {
     MeshFormat.STL: _stl,
     MeshFormat.OBJ: _obj,
     MeshFormat.PLY: _ply,

@@ -1,5 +1,6 @@
 """The report: every surface and slice of a reconstruction, measured."""
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -13,15 +14,16 @@ from schemas.report import (
     Provenance,
     Report,
     SliceReport,
-    SurfaceReport,
 )
 from schemas.vocabulary import MeshFormat, Structure
 from worker.arrays import Scalars
+from worker.artifacts.evidence import aligned_outlines
+from worker.artifacts.support_warnings import support_warnings
+from worker.artifacts.surface_report import surface_report
 from worker.evaluation.distance import points_to_surface_mm
+from worker.evaluation.extrapolation import apex_to_base
 from worker.evaluation.function import lv_function
-from worker.evaluation.size import area_cm2, volume_ml
 from worker.evaluation.summary import summarised
-from worker.evaluation.topology import euler_number, is_watertight
 from worker.reconstruction.result import FrameFit, Reconstruction, SliceFit
 from worker.surface_mesh import SurfaceMesh
 
@@ -40,7 +42,8 @@ def build_report(
 
     Contour residuals are exact distances, in mm, from the observed outlines' points, moved back by
     their slice's shift, to the surface. Long-axis chords at the valves are no observation and are
-    not measured. A volume is only given for a watertight surface.
+    not measured. A volume is only given for a watertight surface. Where a surface goes on beyond
+    its short-axis slices and no long-axis contour follows it, a warning is added.
 
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
@@ -51,7 +54,10 @@ def build_report(
         axes=reconstruction.axes,
         frames=frames,
         function=_function(frames),
-        warnings=list(warnings),
+        warnings=[
+            *warnings,
+            *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
+        ],
         timings_s=dict(timings_s),
         options=options,
         provenance=provenance,
@@ -65,13 +71,18 @@ def mesh_name(frame_label: str, structure: Structure) -> str:
 
 def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
     residuals = [_residuals(one, fit.surfaces) for one in fit.slices]
+    outlines = aligned_outlines(fit)
+    toward_base = apex_to_base(outlines)
     return FrameReport(
         label=fit.label,
         time_ms=fit.time_ms,
         surfaces={
-            structure: _surface(
+            structure: surface_report(
                 mesh,
+                fit.unremeshed.get(structure),
                 _joined([r[structure] for r in residuals if structure in r]),
+                outlines.get(structure, ()),
+                toward_base,
                 [f"{mesh_name(fit.label, structure)}.{form}" for form in dict.fromkeys(formats)],
             )
             for structure, mesh in fit.surfaces.items()
@@ -91,26 +102,20 @@ def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
     )
 
 
-def _surface(mesh: SurfaceMesh, residuals_mm: Scalars, files: list[str]) -> SurfaceReport:
-    watertight = is_watertight(mesh)
-    return SurfaceReport(
-        volume_ml=volume_ml(mesh) if watertight else None,
-        area_cm2=area_cm2(mesh),
-        watertight=watertight,
-        vertices=len(mesh.vertices_mm),
-        faces=len(mesh.faces),
-        euler_number=euler_number(mesh),
-        contour_residual_mm=summarised(residuals_mm),
-        files=files,
-    )
-
-
 def _slice(fit: SliceFit, residuals: _Residuals) -> SliceReport:
     x, y, z = fit.shift_mm.tolist()
     summaries: dict[Structure, DistanceSummary] = {
         structure: summarised(distances_mm) for structure, distances_mm in residuals.items()
     }
-    return SliceReport(id=fit.id, view=fit.view, shift_mm=(x, y, z), contour_residual_mm=summaries)
+    return SliceReport(
+        id=fit.id,
+        view=fit.view,
+        shift_mm=(x, y, z),
+        shift_deviation_mm=fit.shift_deviation_mm,
+        crossings=fit.crossings,
+        rotation_deg=math.degrees(fit.turn_rad),
+        contour_residual_mm=summaries,
+    )
 
 
 def _residuals(fit: SliceFit, surfaces: Mapping[Structure, SurfaceMesh]) -> _Residuals:
@@ -118,7 +123,7 @@ def _residuals(fit: SliceFit, surfaces: Mapping[Structure, SurfaceMesh]) -> _Res
     return {
         structure: np.concatenate(
             [
-                points_to_surface_mm(outline.points_mm - fit.shift_mm, surfaces[structure])
+                points_to_surface_mm(fit.aligned_mm(outline.points_mm), surfaces[structure])
                 for outline in outlines
             ]
         )

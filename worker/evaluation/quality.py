@@ -16,7 +16,7 @@ class TriangleQuality:
         percentile and mean. below_20_deg_percent: share of triangles under 20 degrees.
     aspect_ratio: circumradius over twice the inradius, at best 1; here mean, 95th percentile and
         largest (inf for a triangle without area).
-    edge_mean_mm: mean edge length.
+    edge_mean_mm, edge_p5_mm, edge_p95_mm: mean edge length, and its 5th and 95th percentile.
     """
 
     min_angle_deg: float
@@ -27,11 +27,14 @@ class TriangleQuality:
     aspect_ratio_p95: float
     aspect_ratio_max: float
     edge_mean_mm: float
+    edge_p5_mm: float
+    edge_p95_mm: float
 
 
 def triangle_quality(mesh: SurfaceMesh) -> TriangleQuality:
     """Angles, aspect ratios and edge lengths of all triangles of a mesh that has some."""
-    a, b, c = np.linalg.norm(mesh.triangles_mm - np.roll(mesh.triangles_mm, -1, axis=1), axis=2).T
+    edges = np.linalg.norm(mesh.triangles_mm - np.roll(mesh.triangles_mm, -1, axis=1), axis=2)
+    a, b, c = edges.T
     angles = np.degrees(np.minimum(np.minimum(_angle(a, b, c), _angle(b, c, a)), _angle(c, a, b)))
     # R / 2r = abc / ((b + c - a)(c + a - b)(a + b - c))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -45,7 +48,9 @@ def triangle_quality(mesh: SurfaceMesh) -> TriangleQuality:
         aspect_ratio_mean=float(aspect.mean()),
         aspect_ratio_p95=float(np.percentile(aspect, 95.0, method="lower")),
         aspect_ratio_max=float(aspect.max()),
-        edge_mean_mm=float(np.mean([a, b, c])),
+        edge_mean_mm=float(edges.mean()),
+        edge_p5_mm=float(np.percentile(edges, 5.0)),
+        edge_p95_mm=float(np.percentile(edges, 95.0)),
     )
 
 

@@ -1,17 +1,29 @@
 """Breath-hold misregistration: one in-plane shift a short-axis slice, learned with the field.
 
+Where asked for, each slice also carries a rotation about its own normal.
+
 Only what the evidence holds may move. Long-axis slices stay, and hold the stack along their own
 in-plane direction. Along a direction that none of them holds, breath-holds are told from anatomy
 by smoothness alone: shifts that vary smoothly from slice to slice are taken out.
 """
 
+import math
+
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 from schemas.vocabulary import View
-from worker.arrays import Points
+from worker.reconstruction.motion import SliceMotion
+from worker.reconstruction.shift_evidence import ShiftEvidence
 from worker.reconstruction.unit_stack import UnitSlice, UnitStack
+
+_PRIOR_WEIGHT = 2e-4
+"""Weight of the shift prior against the mean BCE: it breaks ties, the contours decide."""
+
+_FURTHEST_TURN = math.radians(20.0)
+"""No slice turns further."""
 
 _HELD = 0.1
 """Least squared sine between a direction and the long-axis planes' normals to count as held."""
@@ -30,58 +42,94 @@ class SliceShifts(nn.Module):
     Free to move are short-axis slices with outlines.
     """
 
-    def __init__(self, stack: UnitStack, prior: float, limit: float) -> None:
+    def __init__(
+        self, stack: UnitStack, evidence: ShiftEvidence, limit: float, *, turning: bool = False
+    ) -> None:
         """The stack holds the outlines that are fitted to.
 
-        prior: standard deviation of a shift; limit: the largest; both in unit lengths.
+        evidence: where shifts start, how firmly each is held there, and whether they move at all.
+        limit: the largest shift, unit lengths. turning: whether slices rotate, too.
         """
         super().__init__()
         # A slice without outlines is the same wherever it lies in its plane.
         free = [s.view is View.SAX and bool(s.outlines) for s in stack.slices]
-        self._free = torch.tensor(free, dtype=torch.float32)[:, None]
-        self._axes = torch.tensor(np.stack([s.axes for s in stack.slices]), dtype=torch.float32)
-        self._unobservable = torch.as_tensor(_unobservable(stack, free), dtype=torch.float32)
-        self._precision = torch.tensor(_evidence_handicap(stack)) / prior**2
+        self._free = _single(free)[:, None]
+        self._axes = _single([s.axes for s in stack.slices])
+        self._normals = _single([s.normal for s in stack.slices])
+        self._pivots = _single([s.lift(s.pivot[None])[0] for s in stack.slices])
+        self._unobservable = _single(_unobservable(stack, free))
+        self._precision = _single(evidence.precision * _handicap(stack)[:, None, None])
         self._limit = limit
-        self.in_plane = nn.Parameter(torch.zeros(len(free), 2))
+        self.moving = evidence.displaced
+        self.in_plane = nn.Parameter(_single(evidence.motion[:, :2]))
+        # Evidence of slices that do not turn holds them at nothing, but for rounding.
+        turns = _single(evidence.motion[:, 2] if turning else np.zeros(len(free)))
+        self.turns = nn.Parameter(turns, requires_grad=turning)
+        self.restrain()
+        self._expected = self._motion().detach().clone()
 
     def displacements(self) -> Tensor:
-        """(slices + 1, 3) unit lengths; the last row is zero, for samples of no slice."""
-        moved = torch.einsum("ka,kad->kd", self.in_plane * self._free, self._axes)
-        return torch.cat([moved, torch.zeros(1, 3)])
+        """(slices, 3) unit lengths."""
+        return torch.einsum("ka,kad->kd", self.in_plane * self._free, self._axes)
 
     def aligned(self, points_unit: Tensor, slice_index: Tensor) -> Tensor:
-        """Points (n, 3) moved back by the shift of the slice each was drawn on."""
-        return points_unit - self.displacements()[slice_index]
+        """Points (n, 3) moved back by the shift, and turn, of the slice each was drawn on."""
+        # A last row for samples of no slice, index -1.
+        shifts = functional.pad(self.displacements(), (0, 0, 0, 1))[slice_index]
+        if not self.turns.requires_grad:
+            return points_unit - shifts
+        turns = functional.pad(self.turns * self._free[:, 0], (0, 1))[slice_index, None]
+        normals, pivots = self._normals[slice_index], self._pivots[slice_index]
+        across = torch.linalg.cross(normals, points_unit - pivots)
+        outward = torch.linalg.cross(normals, across)
+        # Rodrigues: a turn by -t of what lies about the pivot.
+        turned = points_unit - torch.sin(turns) * across + (1.0 - torch.cos(turns)) * outward
+        return turned - shifts
 
-    def negative_log_prior(self) -> Tensor:
-        """Mean over free slices of half the squared shift in standard deviations.
+    def penalty(self) -> Tensor:
+        """What departing from the evidence costs, beside a mean BCE.
 
-        A slice with short outlines holds its shift weakly, yet is sampled as densely as any: its
-        prior is tighter by as much as its outlines are shorter than the others'.
+        Mean over free slices of half the squared departure in standard deviations, weighted. In a
+        stack without long-axis slices, a slice with short outlines holds its shift weakly, yet is
+        sampled as densely as any: it is held the firmer, the shorter its outlines are.
         """
-        squares = (self.in_plane * self._free).square().sum(dim=1)
-        return 0.5 * (squares * self._precision).sum() / self._free.sum().clamp_min(1.0)
+        departure = (self._motion() - self._expected) * self._free
+        squares = torch.einsum("ka,kab,kb->", departure, self._precision, departure)
+        return _PRIOR_WEIGHT * 0.5 * squares / self._free.sum().clamp_min(1.0)
+
+    def _motion(self) -> Tensor:
+        return torch.cat([self.in_plane, self.turns[:, None]], dim=1)
 
     @torch.no_grad()
     def restrain(self) -> None:
-        """Take out what the slices cannot know, and keep every shift within the limit."""
+        """Take out what the slices cannot know, and keep every shift and turn within its limit."""
         flat = self.in_plane.mul_(self._free).view(-1)
         flat -= self._unobservable @ (self._unobservable.t() @ flat)
         length = self.in_plane.norm(dim=1, keepdim=True)
         self.in_plane.mul_((self._limit / length.clamp_min(1e-12)).clamp_max(1.0))
+        self.turns.mul_(self._free[:, 0]).clamp_(-_FURTHEST_TURN, _FURTHEST_TURN)
 
-    def found(self) -> Points:
-        """(slices, 3) displacement of every slice, unit lengths."""
-        with torch.no_grad():
-            return self.displacements()[:-1].numpy().astype(np.float64)
+    @torch.no_grad()
+    def found(self) -> SliceMotion:
+        """What the slices were found moved by."""
+        return SliceMotion(
+            self.displacements().numpy().astype(np.float64),
+            self.turns.numpy().astype(np.float64),
+            self._pivots.numpy().astype(np.float64),
+        )
 
 
-def _evidence_handicap(stack: UnitStack) -> list[float]:
+def _single(values: object) -> Tensor:
+    return torch.as_tensor(np.asarray(values), dtype=torch.float32)
+
+
+def _handicap(stack: UnitStack) -> np.ndarray:
     """By what factor each slice's outlines are shorter than the median slice's, one at least."""
     lengths = np.array([_outline_length(s) for s in stack.slices])
+    if any(s.view.is_long_axis and s.outlines for s in stack.slices) or not lengths.any():
+        return np.ones(len(lengths))
     typical = np.median(lengths[lengths > 0.0])
-    return [float(max(1.0, typical / length)) if length > 0.0 else 1.0 for length in lengths]
+    return np.maximum(1.0, typical / np.where(lengths > 0.0, lengths, typical))
 
 
 def _outline_length(slice_: UnitSlice) -> float:

@@ -43,10 +43,9 @@ class FieldEvaluation:
         """Logits (n,) of one surface and their gradients (n, 3), per unit length."""
         values, slopes = [], []
         for chunk in self._chunks(points_unit):
-            logits, gradients = self._surface_logits.with_gradient(
-                *self._field.with_jacobian(chunk)
-            )
-            values.append(logits[:, surface])
+            class_logits, jacobian = self._field.with_jacobian(chunk, len(chunk))
+            gradients = self._surface_logits.gradient(class_logits, jacobian)
+            values.append(self._surface_logits(class_logits)[:, surface])
             slopes.append(gradients[:, :, surface].t())
         return (
             torch.cat(values).numpy().astype(np.float64),

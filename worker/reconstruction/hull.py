@@ -13,16 +13,13 @@ from worker.arrays import Flags, Points, Vector
 _BOX_MARGIN = 0.06
 """Room around the hull in unit lengths, so that the isosurface never meets the box."""
 
-_PAIRS_AT_ONCE = 10_000_000
-"""Points times half-spaces of one step: bounds its memory to 80 MB."""
-
 
 @dataclass(frozen=True, eq=False)
 class Hull:
-    """Triangles of the inflated hull, its half-spaces (a x + b <= 0 inside) and its box."""
+    """Triangles of the inflated hull, how far it reaches in many directions, and its box."""
 
     triangles_unit: Float[np.ndarray, "m 3 3"]
-    half_spaces: Float[np.ndarray, "k 4"]
+    reach: Float[np.ndarray, " directions"]
     lower: Vector
     upper: Vector
 
@@ -38,7 +35,7 @@ class Hull:
         return start + u * (b[chosen] - start) + v * (c[chosen] - start)
 
     def beyond(self, count: int, rng: np.random.Generator) -> Points:
-        """`count` points spread evenly over the box outside the hull, (n, 3) unit."""
+        """`count` points spread evenly over the box where it is clear of the hull, (n, 3) unit."""
         found: list[Points] = []
         missing = count
         while missing > 0:
@@ -49,15 +46,20 @@ class Hull:
         return np.concatenate(found) if found else np.empty((0, 3))
 
     def _is_outside(self, points_unit: Points) -> Flags:
-        normals, offsets = self.half_spaces[:, :3], self.half_spaces[:, 3]
-        # A hull of dense contours has thousands of half-spaces: not all points at once.
-        blocks = math.ceil(len(points_unit) * len(offsets) / _PAIRS_AT_ONCE)
-        return np.concatenate(
-            [
-                (block @ normals.T + offsets).max(axis=1) > 0.0
-                for block in np.array_split(points_unit, blocks)
-            ]
-        )
+        return (points_unit @ _DIRECTIONS.T > self.reach).any(axis=1)
+
+
+def _spread_directions(count: int) -> Float[np.ndarray, "count 3"]:
+    """Unit vectors spread evenly over the sphere, on a Fibonacci spiral."""
+    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    turn = np.arange(count) * math.pi * (3.0 - math.sqrt(5.0))
+    across = np.sqrt(1.0 - z**2)
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
+
+
+_DIRECTIONS = _spread_directions(400)
+"""A hull of dense contours has thousands of faces. These bound it within a hundredth of its size,
+and what is beyond them is beyond it."""
 
 
 def inflated_hull(points_unit: Points, inflation: float) -> Hull:
@@ -77,7 +79,7 @@ def inflated_hull(points_unit: Points, inflation: float) -> Hull:
         ) from error
     return Hull(
         triangles_unit=inflated[hull.simplices],
-        half_spaces=hull.equations,
+        reach=(inflated[hull.vertices] @ _DIRECTIONS.T).max(axis=0),
         lower=inflated.min(axis=0) - _BOX_MARGIN,
         upper=inflated.max(axis=0) + _BOX_MARGIN,
     )

@@ -5,13 +5,13 @@ from torch import Tensor
 from torch.nn import functional
 
 
-def bce(logits: Tensor, targets: Tensor, known: Tensor) -> Tensor:
-    """Mean binary cross-entropy over known entries (Eq. 3).
+def bce(logits: Tensor, targets: Tensor, weights: Tensor) -> Tensor:
+    """Weighted mean binary cross-entropy (Eq. 3).
 
-    logits, targets: (n, surfaces); known: (n, surfaces), 1 where the target is known, else 0.
+    logits, targets, weights: (n, surfaces); an entry of weight 0 is one of which nothing is known.
     """
     each = functional.binary_cross_entropy_with_logits(logits, targets, reduction="none")
-    return (each * known).sum() / known.sum().clamp_min(1.0)
+    return (each * weights).sum() / weights.sum().clamp_min(1e-12)
 
 
 def hinge(gradients: Tensor, slope: float) -> Tensor:

@@ -4,6 +4,9 @@ study -> stack (mm) -> unit stack + UnitFrame -> levels of samples -> tissue fie
 one component -> level-set projection -> mm -> closed or open base.
 """
 
+from collections.abc import Mapping
+from functools import partial
+
 import numpy as np
 
 from intake.support import frame_surfaces
@@ -13,13 +16,16 @@ from schemas.problem import InternalError, ProblemType
 from schemas.study import ContourStudy, Frame
 from schemas.vocabulary import Structure
 from worker.arrays import Points, SomeFaces, SomePoints
+from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.base_plane import cut_open, find_base
 from worker.reconstruction.component import outward, touched_component
+from worker.reconstruction.crossings import crossing_evidence
 from worker.reconstruction.field_evaluation import FieldEvaluation
 from worker.reconstruction.fit import FieldFit, fit_field
 from worker.reconstruction.frame_share import FrameShare
 from worker.reconstruction.hull import Hull, inflated_hull
 from worker.reconstruction.isosurface import Triangles, isosurfaces
+from worker.reconstruction.motion import SliceMotion, moved_back
 from worker.reconstruction.normalisation import UnitFrame, normalise
 from worker.reconstruction.observer import Cancelled, Observer, Unobserved
 from worker.reconstruction.projection import project
@@ -27,8 +33,10 @@ from worker.reconstruction.remeshing import remesh
 from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reconstruction, SliceFit
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
+from worker.reconstruction.shift_evidence import ShiftEvidence, no_evidence
 from worker.reconstruction.slice_stack import SliceStack
 from worker.reconstruction.stack_ends import past_the_ends
+from worker.reconstruction.stack_smoothness import smoothness_evidence
 from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tissues import Partition, partition
 from worker.reconstruction.unit_stack import UnitStack
@@ -37,6 +45,12 @@ from worker.surface_mesh import SurfaceMesh
 
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
+
+_OUTLINE_NOISE_MM = 0.25
+"""How well an observer's outline is known, at best: crossings do not fix a shift any better."""
+
+_WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
+"""Bounds on the shift prior and on shifts, unit lengths: a mouse's breath is not a man's."""
 
 _WIDEST_CELL = 0.1
 """Edge of the finest cell, unit lengths, at most: a mouse's heart is a few millimetres long."""
@@ -87,22 +101,42 @@ def _reconstruct_frame(
         )
 
     fitting = observer.part(0.0, _FIT_SHARE)
-    fitted_to = unit_stack.showing(classes.surfaces)
-    fit = fit_field(samples_of, fitted_to, classes, options, unit_mm, fitting)
+    evidence = _evidence(unit_stack.showing(classes.surfaces), options, unit_mm)
+    furthest = min(options.alignment.max_shift_mm / unit_mm, _FURTHEST_SHIFT)
+    shifts = SliceShifts(
+        unit_stack.showing(classes.surfaces), evidence, furthest, turning=options.alignment.rotate
+    )
+    fit = fit_field(samples_of, shifts, classes, options, fitting)
     meshing = observer.part(_FIT_SHARE, 1.0)
-    meshes = _mesh(unit_stack, unit_frame, hull, classes, fit, cell, options, meshing)
-    meshes |= {s: cut_open(meshes[s], base) for s, base in bases.items()}
+    motion = shifts.found()
+    outlines = _aligned_outlines(unit_stack, motion)
+    meshes, unremeshed = _mesh(outlines, unit_frame, hull, classes, fit, cell, options, meshing)
+    for closed in (meshes, unremeshed):
+        closed |= {s: cut_open(closed[s], base) for s, base in bases.items() if s in closed}
     return FrameFit(
         label=frame.label,
         time_ms=frame.time_ms,
         surfaces=meshes,
-        slices=_slice_fits(stack, unit_frame.displacement_to_mm(fit.shifts_unit)),
+        unremeshed=unremeshed,
+        slices=_slice_fits(stack, unit_stack, unit_frame, motion, evidence),
         levels=_level_fits(fit, unit_frame, options),
     )
 
 
+def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEvidence:
+    """What is known of the slices' shifts before the fit: nothing, where they may not move."""
+    prior = min(options.alignment.prior_mm / unit_mm, _WIDEST_PRIOR)
+    if not options.align_slices:
+        return no_evidence(len(stack.slices), prior)
+    noise = min(_OUTLINE_NOISE_MM / unit_mm, prior)
+    crossed = crossing_evidence(stack, prior, noise, turning=options.alignment.rotate)
+    if crossed.crossings.any():
+        return crossed
+    return smoothness_evidence(stack, prior, noise, unit_mm, turning=options.alignment.rotate)
+
+
 def _mesh(
-    stack: UnitStack,
+    outlines: Mapping[Structure, Points],
     frame: UnitFrame,
     hull: Hull,
     classes: Partition,
@@ -110,29 +144,38 @@ def _mesh(
     cell: float,
     options: Options,
     observer: Observer,
-) -> dict[Structure, SurfaceMesh]:
+) -> tuple[dict[Structure, SurfaceMesh], dict[Structure, SurfaceMesh]]:
+    """The surfaces, and where `target_edge_mm` is given what they were before remeshing, in mm."""
     evaluation = FieldEvaluation(fit.field, fit.surface_logits, observer)
     observer.advanced(Progress(fraction=0.0, stage=Stage.MESHING))
     level_sets = isosurfaces(evaluation.logits, hull.lower, hull.upper, cell)
-    meshes = {}
+    meshes: dict[Structure, SurfaceMesh] = {}
+    unremeshed: dict[Structure, SurfaceMesh] = {}
     for index, (structure, level_set) in enumerate(zip(classes.surfaces, level_sets, strict=True)):
         if observer.is_cancelled():
             raise Cancelled
         done = (index + 1) / len(level_sets)
         observer.advanced(Progress(fraction=done, stage=Stage.MESHING))
-        touching = _aligned_outline_points(stack, fit, structure)
-        vertices, faces = _kept(level_set, touching, structure)
+        vertices, faces = _kept(level_set, outlines[structure], structure)
 
         def on_surface(points_unit: Points, surface: int = index) -> tuple[np.ndarray, Points]:
             return evaluation.logits_and_gradient(points_unit, surface)
 
         vertices = project(vertices, on_surface, options.mesh.projection_steps, cell)
+        faces = outward(vertices, faces)
+        meshes[structure] = SurfaceMesh(frame.to_mm(vertices), faces)
         if options.target_edge_mm is not None:
+            unremeshed[structure] = meshes[structure]
             edge = options.target_edge_mm / frame.half_extent_mm
-            vertices, faces = remesh(vertices, faces, edge)
-            vertices = project(vertices, on_surface, options.mesh.projection_steps, edge)
-        meshes[structure] = SurfaceMesh(frame.to_mm(vertices), outward(vertices, faces))
-    return meshes
+            even_vertices, even_faces = remesh(
+                vertices,
+                faces,
+                edge,
+                partial(project, logits_and_gradient=on_surface, steps=1, reach=0.5 * edge),
+                observer,
+            )
+            meshes[structure] = SurfaceMesh(frame.to_mm(even_vertices), even_faces)
+    return meshes, unremeshed
 
 
 def _kept(
@@ -148,28 +191,52 @@ def _kept(
     return touched_component(level_set.vertices, level_set.faces, touching)
 
 
-def _aligned_outline_points(stack: UnitStack, fit: FieldFit, structure: Structure) -> Points:
-    return np.concatenate(
-        [
-            slice_.lift(outline.points) - shift
-            for slice_, shift in zip(stack.slices, fit.shifts_unit, strict=True)
-            for outline in slice_.outlines.get(structure, ())
-        ]
-    )
+def _aligned_outlines(stack: UnitStack, motion: SliceMotion) -> dict[Structure, Points]:
+    """All outline points (n, 3) of every structure, moved back by their slices' motion."""
+    points: dict[Structure, list[Points]] = {}
+    for index, slice_ in enumerate(stack.slices):
+        back = partial(
+            moved_back,
+            shift=motion.shifts[index],
+            turn=float(motion.turns[index]),
+            pivot=motion.pivots[index],
+            normal=slice_.normal,
+        )
+        for structure, outlines in slice_.outlines.items():
+            points.setdefault(structure, []).extend(back(slice_.lift(o.points)) for o in outlines)
+    return {structure: np.concatenate(parts) for structure, parts in points.items()}
 
 
-def _slice_fits(stack: SliceStack, shifts_mm: Points) -> tuple[SliceFit, ...]:
+def _slice_fits(
+    stack: SliceStack,
+    unit_stack: UnitStack,
+    frame: UnitFrame,
+    motion: SliceMotion,
+    evidence: ShiftEvidence,
+) -> tuple[SliceFit, ...]:
+    unit_mm = frame.half_extent_mm
+    # A turn is about the normal of the axes that it was found in.
+    normals = frame.displacement_to_mm(np.stack([s.normal for s in unit_stack.slices])) / unit_mm
+    shifts_mm, pivots_mm = frame.displacement_to_mm(motion.shifts), frame.to_mm(motion.pivots)
+    deviations_mm = unit_mm * evidence.deviations()
     return tuple(
         SliceFit(
             id=slice_.id,
             view=slice_.view,
-            shift_mm=shift,
+            normal=normals[index],
+            shift_mm=shifts_mm[index],
+            shift_deviation_mm=(
+                float(deviations_mm[index]) if evidence.crossings[index] > 0 else None
+            ),
+            crossings=int(evidence.crossings[index]),
+            turn_rad=float(motion.turns[index]),
+            pivot_mm=pivots_mm[index],
             contours_mm={
                 structure: tuple(ContourPoints(o.points_mm, o.closed) for o in outlines)
                 for structure, outlines in slice_.outlines.items()
             },
         )
-        for slice_, shift in zip(stack.slices, shifts_mm, strict=True)
+        for index, slice_ in enumerate(stack.slices)
     )
 
 

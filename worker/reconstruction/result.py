@@ -1,10 +1,11 @@
 """What a reconstruction returns: surfaces in mm, shifts found, losses seen."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from schemas.vocabulary import Axes, Structure, View
 from worker.arrays import Points, Vector
+from worker.reconstruction.motion import moved_back
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -22,13 +23,26 @@ class SliceFit:
 
     shift_mm: (3,) how far the slice was found displaced from the heart, in its own plane, patient
         axes; the contours were moved back by it.
+    shift_deviation_mm: its standard deviation along the least certain direction in the plane; None
+        where no long-axis contour crosses the slice's own.
+    crossings: how many points of long-axis contours the shift rests on.
+    turn_rad: how far the slice was found turned about `normal` at `pivot_mm`, right-handed.
     contours_mm: per structure the observed outlines as given, (n, 3) each, in mm, not moved back.
     """
 
     id: str
     view: View
+    normal: Vector
     shift_mm: Vector
+    shift_deviation_mm: float | None
+    crossings: int
+    turn_rad: float
+    pivot_mm: Vector
     contours_mm: Mapping[Structure, tuple[ContourPoints, ...]]
+
+    def aligned_mm(self, points_mm: Points) -> Points:
+        """Points (n, 3) of this slice's contours, mm, moved back to where the heart is."""
+        return moved_back(points_mm, self.shift_mm, self.turn_rad, self.pivot_mm, self.normal)
 
 
 @dataclass(frozen=True)
@@ -45,13 +59,17 @@ class LevelFit:
 
 @dataclass(frozen=True, eq=False)
 class FrameFit:
-    """One reconstructed instant of the cycle."""
+    """One reconstructed instant of the cycle.
+
+    unremeshed: the surfaces before remeshing, where a target edge length was asked for; else none.
+    """
 
     label: str
     time_ms: float | None
     surfaces: Mapping[Structure, SurfaceMesh]
     slices: tuple[SliceFit, ...]
     levels: tuple[LevelFit, ...]
+    unremeshed: Mapping[Structure, SurfaceMesh] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,10 @@ NO_SLICE = -1
 """Slice index of a sample that belongs to no slice and so does not move with one."""
 
 
+BOUNDARY = 0.5
+"""Occupancy of a sample on a surface's own contour."""
+
+
 @dataclass(frozen=True, eq=False)
 class LabelledSamples:
     """Points in unit coordinates with their occupancy of every surface.

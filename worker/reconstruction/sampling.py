@@ -15,7 +15,7 @@ from schemas.vocabulary import Structure
 from worker.arrays import PlanePoints, Scalars
 from worker.reconstruction.hull import Hull
 from worker.reconstruction.observer import Cancelled, Observer
-from worker.reconstruction.samples import NO_SLICE, LabelledSamples, joined
+from worker.reconstruction.samples import BOUNDARY, NO_SLICE, LabelledSamples, joined
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
 _PLANE_MARGIN = 1.15
@@ -75,7 +75,7 @@ def _on_slice(
         near = on_contour + radius * rng.standard_normal((count, 2))
         parts.append(_labelled(slice_, index, surfaces, near))
         boundary = _labelled(slice_, index, surfaces, on_contour)
-        boundary.targets[np.arange(count), owner] = 0.5
+        boundary.targets[np.arange(count), owner] = BOUNDARY
         parts.append(boundary)
     return parts
 

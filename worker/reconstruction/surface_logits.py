@@ -4,35 +4,60 @@ logit_s = logsumexp(z in s) - logsumexp(z not in s), so sigmoid(logit_s) is the 
 of the union, and a union's logit is never below that of a part of it.
 """
 
+from typing import Any
+
 import torch
 from torch import Tensor
+from torch.autograd.function import once_differentiable
 
 from worker.reconstruction.tissues import Partition
 
-_NEVER = -1e9
-"""Stands for minus infinity; finite, so that its gradient is zero and not NaN."""
+_LEAST = 1e-30
+"""Least share of a union: a logit is never beyond about 69, where it has no gradient any more."""
 
 
 class SurfaceLogits:
     """The logits of a partition's surfaces."""
 
     def __init__(self, partition: Partition) -> None:
-        encloses = torch.as_tensor(partition.encloses)
-        self._inside = torch.where(encloses, 0.0, _NEVER)
-        self._outside = torch.where(encloses, _NEVER, 0.0)
+        self._inside = torch.as_tensor(partition.encloses.T, dtype=torch.float32)
+        self._outside = 1.0 - self._inside
 
     def __call__(self, class_logits: Tensor) -> Tensor:
         """(n, classes) to (n, surfaces)."""
-        z = class_logits.unsqueeze(1)
-        return torch.logsumexp(z + self._inside, dim=2) - torch.logsumexp(z + self._outside, dim=2)
+        logits: Tensor = _UnionLogits.apply(  # type: ignore[no-untyped-call]
+            class_logits, self._inside, self._outside
+        )
+        return logits
 
-    def with_gradient(self, class_logits: Tensor, jacobian: Tensor) -> tuple[Tensor, Tensor]:
-        """Surface logits (n, surfaces) and gradients (3, n, surfaces) by the chain rule.
+    def gradient(self, class_logits: Tensor, jacobian: Tensor) -> Tensor:
+        """Gradients (3, n, surfaces) of the surface logits, by the chain rule.
 
-        jacobian: (3, n, classes) derivatives of the class logits.
+        class_logits: (n, classes); jacobian: (3, n, classes), their derivatives.
         """
-        z = class_logits.unsqueeze(1)
-        inside, outside = z + self._inside, z + self._outside
-        logits = torch.logsumexp(inside, dim=2) - torch.logsumexp(outside, dim=2)
-        weights = torch.softmax(inside, dim=2) - torch.softmax(outside, dim=2)
-        return logits, torch.einsum("nsc,dnc->dns", weights, jacobian)
+        shares = torch.softmax(class_logits, dim=1)
+        inside = (shares @ self._inside).clamp_min(_LEAST)
+        outside = (shares @ self._outside).clamp_min(_LEAST)
+        carried = jacobian * shares
+        return carried @ self._inside / inside - carried @ self._outside / outside
+
+
+class _UnionLogits(torch.autograd.Function):
+    """Both logarithms share one exponential, and the gradient is written out: a step asks for it
+    as often as for the network's.
+    """
+
+    @staticmethod
+    def forward(ctx: Any, class_logits: Tensor, inside: Tensor, outside: Tensor) -> Tensor:
+        shares = torch.softmax(class_logits, dim=1)
+        within = (shares @ inside).clamp_min_(_LEAST)
+        without = (shares @ outside).clamp_min_(_LEAST)
+        ctx.save_for_backward(shares, within, without, inside, outside)
+        return torch.log(within) - torch.log(without)
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, by_logits: Tensor) -> tuple[Tensor, None, None]:
+        shares, within, without, inside, outside = ctx.saved_tensors
+        by_shares = (by_logits / within) @ inside.t() - (by_logits / without) @ outside.t()
+        return shares * by_shares, None, None

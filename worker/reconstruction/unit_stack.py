@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from schemas.vocabulary import Structure, View
-from worker.arrays import PlanePoints, Points, Vector
+from worker.arrays import PlanePoint, PlanePoints, Points, Vector
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,6 +40,12 @@ class UnitSlice:
     def normal(self) -> Vector:
         """Unit normal of the plane."""
         return np.cross(self.axes[0], self.axes[1])
+
+    @property
+    def pivot(self) -> PlanePoint:
+        """What the slice turns about: the middle of its outlines' points, in its plane."""
+        rings = [o.points for outlines in self.outlines.values() for o in outlines]
+        return np.concatenate(rings).mean(axis=0) if rings else np.zeros(2)
 
     def lift(self, in_plane: PlanePoints) -> Points:
         """(n, 2) in-plane coordinates to (n, 3) unit coordinates."""

@@ -6,10 +6,12 @@ import pytest
 from schemas.options import Options
 from schemas.report import (
     DistanceSummary,
+    EndReport,
     FrameReport,
     FunctionReport,
     LevelReport,
     Provenance,
+    QualityReport,
     Report,
     SliceReport,
     SurfaceReport,
@@ -18,6 +20,21 @@ from schemas.vocabulary import Axes, Structure, View
 from worker.artifacts.html import loss_chart, render_html
 
 _DISTANCE = DistanceSummary(mean=0.25, rms=0.3, p95=0.5, max=1.75, count=100)
+
+
+_EVEN = QualityReport(
+    min_angle_deg=31.25,
+    min_angle_p5_deg=40.0,
+    min_angle_mean_deg=50.0,
+    below_20_deg_percent=0.0,
+    aspect_ratio_mean=1.06,
+    aspect_ratio_p95=1.2,
+    aspect_ratio_max=1.9,
+    edge_mean_mm=1.95,
+    edge_p5_mm=1.5,
+    edge_p95_mm=2.5,
+)
+_UNEVEN = _EVEN.model_copy(update={"below_20_deg_percent": 27.5, "aspect_ratio_max": None})
 
 
 def _level(index: int, total: float) -> LevelReport:
@@ -34,16 +51,33 @@ def report() -> Report:
         faces=16,
         euler_number=2,
         contour_residual_mm=_DISTANCE,
+        quality=_UNEVEN,
+        quality_before_remeshing=None,
+        remeshing_distance_mm=None,
+        support_mm=DistanceSummary(mean=2.5, rms=3.0, p95=6.25, max=9.35, count=10),
+        slice_gap_mm=8.0,
+        beyond_slice_gap_percent=3.75,
+        apex=EndReport(height_mm=4.15, support_max_mm=9.35, on_long_axis=False),
+        base=None,
         files=["ED_lv_endo.stl"],
     )
     observed = SliceReport(
         id="sax-00",
         view=View.SAX,
         shift_mm=(3.0, 4.0, 0.0),
+        shift_deviation_mm=0.37,
+        crossings=6,
+        rotation_deg=0.0,
         contour_residual_mm={Structure.LV_ENDO: _DISTANCE},
     )
     empty = SliceReport(
-        id="sax-01", view=View.SAX, shift_mm=(0.0, 0.0, 0.0), contour_residual_mm={}
+        id="sax-01",
+        view=View.SAX,
+        shift_mm=(0.0, 0.0, 0.0),
+        shift_deviation_mm=None,
+        crossings=0,
+        rotation_deg=0.0,
+        contour_residual_mm={},
     )
     frame = FrameReport(
         label="ED",
@@ -117,7 +151,27 @@ def test_text_of_the_caller_is_escaped(report: Report) -> None:
 
 @pytest.mark.parametrize(
     "fact",
-    ["case-01", "123.4", "56.7", "0.25", "1.75", "5.00", "60.0 %", "8.25 s", "axes LPS", "sax-01"],
+    [
+        "case-01",
+        "123.4",
+        "56.7",
+        "0.25",
+        "1.75",
+        "5.00",
+        "60.0 %",
+        "8.25 s",
+        "axes LPS",
+        "sax-01",
+        "6.25",
+        "9.35",
+        "8.00",
+        "3.8",
+        "4.15 <small>not followed",
+        "27.5",
+        "0.37",
+        "&gt; 1000",
+        "1.50\N{EN DASH}2.50",
+    ],
 )
 def test_the_page_tells_the_numbers(report: Report, fact: str) -> None:
     assert fact in render_html(report)
@@ -163,3 +217,30 @@ def test_a_chart_stays_inside_its_box(totals: list[float]) -> None:
     for x, y in chart.marks:
         assert 0 <= x <= chart.width
         assert 0 <= y <= chart.height
+
+
+def test_the_page_tells_triangles_before_and_after_remeshing(report: Report) -> None:
+    assert "target_edge_mm" in render_html(report)
+    assert "<small>before</small>" not in render_html(report)
+    frame = report.frames[0]
+    even = frame.surfaces[Structure.LV_ENDO].model_copy(
+        update={
+            "quality": _EVEN,
+            "quality_before_remeshing": _UNEVEN,
+            "remeshing_distance_mm": DistanceSummary(
+                mean=0.01, rms=0.02, p95=0.04, max=0.26, count=20
+            ),
+        }
+    )
+    changed = {
+        "frames": [frame.model_copy(update={"surfaces": {Structure.LV_ENDO: even}})],
+        "options": Options(target_edge_mm=2.0),
+    }
+    page = render_html(report.model_copy(update=changed))
+    assert "lv_endo <small>before</small>" in page
+    assert "<td>27.5</td>" in page
+    assert "<td>0.0</td>" in page
+    assert "<td>0.01</td><td>0.26</td>" in page
+    parser = _Balanced()
+    parser.feed(page)
+    assert parser.open == []

@@ -52,6 +52,48 @@ def test_the_same_mesh_is_the_same_bytes(
     assert written[0] == written[1]
 
 
+def _number_at_vertices(mesh: SurfaceMesh) -> np.ndarray:
+    return np.linalg.norm(mesh.vertices_mm, axis=1) / 7.0
+
+
+def test_a_number_at_every_vertex_comes_back_from_vtp(
+    ellipsoid: SurfaceMesh, tmp_path: Path
+) -> None:
+    path, values = tmp_path / "ED_lv_endo.vtp", _number_at_vertices(ellipsoid)
+    write_mesh(path, ellipsoid, path.stem, Axes.LPS, {"support_mm": values})
+    surface = pyvista.XMLPolyDataReader(str(path)).read()
+    assert surface.point_data.keys() == ["support_mm"]
+    assert surface.point_data["support_mm"].dtype == np.float32
+    np.testing.assert_array_equal(surface.point_data["support_mm"], values.astype(np.float32))
+    np.testing.assert_allclose(surface.points, ellipsoid.vertices_mm, atol=1e-5)
+
+
+def test_a_number_at_every_vertex_comes_back_from_ply(
+    ellipsoid: SurfaceMesh, tmp_path: Path
+) -> None:
+    path, values = tmp_path / "ED_lv_endo.ply", _number_at_vertices(ellipsoid)
+    write_mesh(path, ellipsoid, path.stem, Axes.LPS, {"support_mm": values})
+    assert b"property float support_mm\n" in path.read_bytes()
+    read = trimesh.load_mesh(path, process=False)
+    stored = read.metadata["_ply_raw"]["vertex"]["data"]["support_mm"]
+    np.testing.assert_array_equal(stored, values.astype(np.float32))
+    np.testing.assert_allclose(read.triangles, ellipsoid.triangles_mm, atol=1e-5)
+    # Another reader, of the same bytes.
+    np.testing.assert_allclose(pyvista.PLYReader(str(path)).read().points, read.vertices)
+
+
+@pytest.mark.parametrize("form", [MeshFormat.STL, MeshFormat.OBJ, MeshFormat.GLB])
+def test_formats_without_numbers_at_vertices_are_the_same_bytes_with_them(
+    form: MeshFormat, ellipsoid: SurfaceMesh, tmp_path: Path
+) -> None:
+    path = tmp_path / f"ED_lv_endo.{form}"
+    write_mesh(path, ellipsoid, path.stem, Axes.LPS)
+    plain = path.read_bytes()
+    numbers = {"support_mm": _number_at_vertices(ellipsoid)}
+    write_mesh(path, ellipsoid, path.stem, Axes.LPS, numbers)
+    assert path.read_bytes() == plain
+
+
 @pytest.mark.parametrize("form", [MeshFormat.STL, MeshFormat.OBJ, MeshFormat.PLY])
 def test_the_file_says_its_units_and_axes(
     form: MeshFormat, ellipsoid: SurfaceMesh, tmp_path: Path

@@ -45,7 +45,12 @@ def slice_fit(points_mm: np.ndarray, shift_mm: tuple[float, float, float]) -> Sl
     return SliceFit(
         id="sax-00",
         view=View.SAX,
+        normal=np.array([0.0, 0.0, 1.0]),
         shift_mm=np.array(shift_mm),
+        shift_deviation_mm=0.1,
+        crossings=6,
+        turn_rad=0.0,
+        pivot_mm=np.zeros(3),
         contours_mm={Structure.LV_ENDO: (ContourPoints(points_mm, closed=True),)},
     )
 
@@ -79,9 +84,9 @@ def test_a_sphere_measures_as_the_formulas_say() -> None:
     assert surface.files == ["ED_lv_endo.stl", "ED_lv_endo.vtp"]
     assert surface.contour_residual_mm.mean < 0.03
     assert surface.contour_residual_mm.count == 60
-    assert (report.axes, report.warnings, report.timings_s) == (
+    assert (report.axes, report.warnings[0], report.timings_s) == (
         Axes.RAS,
-        ["look"],
+        "look",
         {"fitting": 1.0},
     )
 
@@ -101,8 +106,8 @@ def test_a_displaced_slice_is_measured_where_it_was_moved_back_to() -> None:
 
 
 def test_a_slice_that_only_knows_absence_has_no_residual() -> None:
-    empty = SliceFit(id="sax-01", view=View.SAX, shift_mm=np.zeros(3), contours_mm={})
     observed = slice_fit(circle(30.0, 0.0), (0.0, 0.0, 0.0))
+    empty = replace(observed, id="sax-01", contours_mm={})
     report = report_of(frame("ED", 30.0, observed, empty))
     assert report.frames[0].slices[1].contour_residual_mm == {}
 
@@ -141,3 +146,93 @@ def test_function_is_reported_for_end_diastole_and_end_systole() -> None:
 @pytest.mark.parametrize("labels", [("ED",), ("ED", "t01")])
 def test_function_is_not_guessed_from_other_frames(labels: tuple[str, ...]) -> None:
     assert report_of(*(frame(label, 30.0) for label in labels)).function is None
+
+
+def sax(index: int, z_mm: float, radius_mm: float) -> SliceFit:
+    fit = slice_fit(circle(radius_mm, z_mm), (0.0, 0.0, 0.0))
+    return replace(fit, id=f"sax-{index:02d}")
+
+
+def stack(*, long_axis: bool) -> FrameFit:
+    """A sphere of 30 mm cut at -20, -12, -4, 4 mm; the base, by width, is up; maybe a LAX cut."""
+    slices = [
+        sax(k, z_mm, math.sqrt(900.0 - z_mm**2)) for k, z_mm in enumerate((-20.0, -12.0, -4.0, 4.0))
+    ]
+    if long_axis:
+        upright = circle(30.0, 0.0)[:, [0, 2, 1]]
+        outline = (ContourPoints(upright, closed=True),)
+        one = slice_fit(circle(30.0, 0.0), (0.0, 0.0, 0.0))
+        contours_mm = {Structure.LV_ENDO: outline}
+        slices.append(replace(one, id="lax", view=View.LAX_4CH, contours_mm=contours_mm))
+    return frame("ED", 30.0, *slices)
+
+
+def test_an_end_that_no_long_axis_slice_shows_is_told_of() -> None:
+    report = report_of(stack(long_axis=False))
+    surface = report.frames[0].surfaces[Structure.LV_ENDO]
+    assert surface.apex is not None
+    assert surface.base is not None
+    # From the pole to the nearest ring, at -20 and at +4 mm.
+    apex_mm, base_mm = math.hypot(10.0, math.sqrt(500.0)), math.hypot(26.0, math.sqrt(884.0))
+    assert surface.apex.height_mm == pytest.approx(10.0, abs=0.01)
+    assert surface.apex.support_max_mm == pytest.approx(apex_mm, abs=0.05)
+    assert surface.base.support_max_mm == pytest.approx(base_mm, abs=0.05)
+    assert surface.slice_gap_mm == pytest.approx(8.0)
+    assert surface.support_mm.max == pytest.approx(base_mm, abs=0.05)
+    assert report.warnings[1:] == [
+        "ED lv_endo: its apex and base lie up to 24.5 and 39.5 mm from the nearest contour; no "
+        "long-axis slice shows them, so its shape there is extrapolated."
+    ]
+
+
+def test_an_end_that_a_long_axis_slice_shows_is_not() -> None:
+    report = report_of(stack(long_axis=True))
+    surface = report.frames[0].surfaces[Structure.LV_ENDO]
+    assert surface.apex is not None
+    assert surface.apex.on_long_axis
+    assert report.warnings == ["look"]
+
+
+def test_support_is_measured_from_where_slices_were_moved_back_to() -> None:
+    still = frame("ED", 30.0, slice_fit(circle(30.0, 0.0), (0.0, 0.0, 0.0)))
+    displaced = slice_fit(circle(30.0, 0.0, centre_mm=(3.0, -4.0)), (3.0, -4.0, 0.0))
+    one, two = (
+        report_of(fit).frames[0].surfaces[Structure.LV_ENDO].support_mm
+        for fit in (still, frame("ED", 30.0, displaced))
+    )
+    assert one.max == pytest.approx(two.max)
+    assert one.mean == pytest.approx(two.mean)
+
+
+def test_triangles_are_told_before_and_after_remeshing() -> None:
+    fit = frame("ED", 30.0)
+    plain = report_of(fit).frames[0].surfaces[Structure.LV_ENDO]
+    assert plain.quality_before_remeshing is None
+    assert plain.remeshing_distance_mm is None
+    coarse = trimesh.creation.icosphere(subdivisions=3, radius=30.0)
+    coarse_mesh = SurfaceMesh(np.asarray(coarse.vertices), np.asarray(coarse.faces, dtype=np.int64))
+    remeshed = replace(
+        fit,
+        surfaces={Structure.LV_ENDO: coarse_mesh},
+        unremeshed=fit.surfaces,
+    )
+    surface = report_of(remeshed).frames[0].surfaces[Structure.LV_ENDO]
+    assert surface.quality_before_remeshing == plain.quality
+    assert surface.quality.edge_mean_mm == pytest.approx(4 * plain.quality.edge_mean_mm, rel=0.02)
+    assert surface.remeshing_distance_mm is not None
+    # Triangles of the coarser sphere sag by about a sixth of edge squared over radius.
+    sag_mm = surface.quality.edge_mean_mm**2 / 6 / 30.0
+    assert surface.remeshing_distance_mm.max == pytest.approx(sag_mm, rel=0.4)
+
+
+def test_a_triangle_without_area_has_no_aspect_ratio_in_the_report() -> None:
+    fit = frame("ED", 30.0)
+    whole = fit.surfaces[Structure.LV_ENDO]
+    flat = SurfaceMesh(whole.vertices_mm, np.vstack([whole.faces, [[0, 0, 1]]]))
+    surface = (
+        report_of(replace(fit, surfaces={Structure.LV_ENDO: flat}))
+        .frames[0]
+        .surfaces[Structure.LV_ENDO]
+    )
+    assert surface.quality.aspect_ratio_max is None
+    assert surface.quality.min_angle_deg == 0.0

@@ -1,9 +1,10 @@
 """Studies cut from shapes with a formula."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from schemas.options import Options
 from schemas.study import ContourStudy
@@ -88,6 +89,76 @@ def concentric_spheres() -> StudyMaker:
         )
 
     return make
+
+
+@pytest.fixture(scope="session")
+def ellipsoids() -> StudyMaker:
+    """Makes a study of two similar ellipsoids about the origin: turns show, since none is round.
+
+    motions: by index of the short-axis slice, a shift in mm along x and y and a turn in degrees
+    about z through the middle of the outlines, which comes first.
+    """
+
+    def make(
+        semi_axes_mm: tuple[float, float, float] = (36.0, 24.0, 44.0),
+        spacing_mm: float = 8.0,
+        motions: dict[int, tuple[float, float, float]] | None = None,
+        long_axis_degrees: tuple[float, ...] = (20.0, 80.0, 140.0),
+    ) -> ContourStudy:
+        semi = np.array(semi_axes_mm)
+        sizes = {"lv_epi": 1.0, "lv_endo": 0.7}
+        t = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+        circle, x, z = np.column_stack([np.cos(t), np.sin(t), 0.0 * t]), np.eye(3)[0], np.eye(3)[2]
+        half = int(semi[2] // spacing_mm)
+        slices: list[dict[str, object]] = []
+        for k in range(2 * half + 1):
+            height = spacing_mm * (k - half)
+            dx, dy, degrees = (motions or {}).get(k, (0.0, 0.0, 0.0))
+            origin = np.array([dx, dy, height])
+            rings = {}
+            for name, size in sizes.items():
+                within = 1.0 - (height / (size * semi[2])) ** 2
+                if within > 0.0:
+                    ring = size * np.sqrt(within) * semi * circle
+                    rings[name] = Rotation.from_rotvec(np.radians(degrees) * z).apply(ring) + origin
+            slices.append(_slice(f"sax-{k:02d}", "sax", origin, z, rings, sizes))
+        for k, (view, degrees) in enumerate(zip(_LONG_AXIS_VIEWS, long_axis_degrees, strict=False)):
+            along = Rotation.from_rotvec(np.radians(degrees) * z).apply(x)
+            reach = 1.0 / np.linalg.norm(along / semi)
+            ring = circle @ np.stack([reach * along, semi[2] * z, 0.0 * z])
+            rings = {name: size * ring for name, size in sizes.items()}
+            slices.append(_slice(f"lax-{k}", view, np.zeros(3), np.cross(along, z), rings, sizes))
+        return ContourStudy.model_validate(
+            {
+                "subject_id": "ellipsoids",
+                "units": "mm",
+                "axes": "LPS",
+                "frames": [{"label": "ED", "slices": slices}],
+            }
+        )
+
+    return make
+
+
+_LONG_AXIS_VIEWS = ("lax_4ch", "lax_2ch", "lax_3ch")
+
+
+def _slice(
+    name: str,
+    view: str,
+    origin: np.ndarray,
+    normal: np.ndarray,
+    rings: dict[str, np.ndarray],
+    structures: Iterable[str],
+) -> dict[str, object]:
+    return {
+        "id": name,
+        "view": view,
+        "origin": origin.tolist(),
+        "normal": normal.tolist(),
+        "contours": [{"structure": s, "points": ring.tolist()} for s, ring in rings.items()],
+        "absent": [s for s in structures if s not in rings],
+    }
 
 
 @pytest.fixture(scope="session")

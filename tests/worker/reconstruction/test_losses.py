@@ -26,6 +26,21 @@ def test_bce_without_knowledge_is_zero() -> None:
     assert bce(torch.ones(3, 2), torch.ones(3, 2), torch.zeros(3, 2)) == 0.0
 
 
+def test_weights_are_relative() -> None:
+    generator = torch.Generator().manual_seed(0)
+    logits, targets, weights = torch.rand(3, 8, 2, generator=generator)
+    torch.testing.assert_close(bce(logits, targets, 7.0 * weights), bce(logits, targets, weights))
+
+
+def test_a_weight_of_three_is_as_being_there_three_times() -> None:
+    logits, targets = torch.tensor([[1.0], [-2.0]]), torch.tensor([[0.5], [1.0]])
+    weights = torch.tensor([[3.0], [1.0]])
+    thrice, rows = torch.ones(4, 1), [0, 0, 0, 1]
+    torch.testing.assert_close(
+        bce(logits, targets, weights), bce(logits[rows], targets[rows], thrice)
+    )
+
+
 def test_boundary_targets_pull_the_logit_to_zero() -> None:
     logits = torch.tensor([[2.0]], requires_grad=True)
     bce(logits, torch.tensor([[0.5]]), torch.ones(1, 1)).backward()

@@ -11,8 +11,11 @@ from schemas.options import Base, Options
 from schemas.problem import InputError
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
+from worker.evaluation.distance import surface_to_surface
+from worker.evaluation.quality import triangle_quality
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_watertight
+from worker.phantom.ellipsoid import Ellipsoid
 from worker.reconstruction.observer import Cancelled
 from worker.reconstruction.pipeline import reconstruct
 
@@ -92,15 +95,113 @@ def test_breath_hold_shifts_are_found(concentric_spheres) -> None:
     assert not any(np.any(s.shift_mm) for s in stubborn.slices)
 
 
+def sax_fits(frame) -> list:
+    return [s for s in frame.slices if s.view == "sax" and s.contours_mm]
+
+
+def test_crossings_alone_align_where_the_field_may_not(concentric_spheres, quick: Options) -> None:
+    """Shifts that never learn stay where the crossings put them, from the first level on."""
+    displacements = {3: (4.0, -1.0), 4: (0.0, 3.0), 5: (-3.0, -2.0), 6: (2.0, 2.0), 7: (-2.0, 3.0)}
+    study = concentric_spheres(displacements=displacements, centre=(0.0, 0.0, 0.0))
+    options = quick.model_copy(
+        update={"alignment": quick.alignment.model_copy(update={"first_level": 8})}
+    )
+    (frame,) = reconstruct(study, options).frames
+    for slice_ in sax_fits(frame):
+        given = [*displacements.get(int(slice_.id[-2:]), (0.0, 0.0)), 0.0]
+        np.testing.assert_allclose(slice_.shift_mm, given, atol=0.1)
+    for structure, radius_mm in ((ENDO, 25.0), (EPI, 35.0)):
+        error_mm = radial_error_mm(frame.surfaces[structure], radius_mm, np.zeros(3))
+        assert error_mm.mean() < 0.5
+
+
+def test_a_slice_tells_what_its_shift_rests_on(concentric_spheres, quick: Options) -> None:
+    displacements = {4: (3.0, -1.0), 6: (-2.0, 2.0)}
+    study = concentric_spheres(displacements=displacements, centre=(0.0, 0.0, 0.0))
+    (frame,) = reconstruct(study, quick).frames
+    for slice_ in frame.slices:
+        assert slice_.turn_rad == 0.0
+        assert (slice_.shift_deviation_mm is None) == (slice_.crossings == 0)
+        if slice_.view != "sax":
+            assert slice_.crossings == 0
+        for structure, radius_mm in ((ENDO, 25.0), (EPI, 35.0)):
+            for outline in slice_.contours_mm.get(structure, ()):
+                back_mm = np.linalg.norm(slice_.aligned_mm(outline.points_mm), axis=1)
+                np.testing.assert_allclose(back_mm, radius_mm, atol=0.5)
+    central = next(s for s in frame.slices if s.id == "sax-04")
+    assert central.crossings == 8
+    assert central.shift_deviation_mm == pytest.approx(0.13, abs=0.05)
+    without = Options.model_validate(quick.model_dump() | {"align_slices": False})
+    (unaligned,) = reconstruct(study, without).frames
+    assert all(s.shift_deviation_mm is None and s.crossings == 0 for s in unaligned.slices)
+
+
+def test_turns_are_found_where_they_are_asked_for(ellipsoids, quick: Options) -> None:
+    motions = {3: (2.0, -1.0, 8.0), 5: (-3.0, 0.5, -6.0), 7: (1.0, 3.0, -10.0)}
+    study, truth = ellipsoids(motions=motions), ellipsoids()
+    turning = Options.model_validate(quick.model_dump() | {"alignment": {"rotate": True}})
+    (frame,), (stiff,) = (reconstruct(study, o).frames for o in (turning, quick))
+    for index, slice_ in enumerate(sax_fits(frame)[1:-1], start=1):
+        degrees = motions.get(index, (0.0, 0.0, 0.0))[2]
+        assert np.degrees(slice_.turn_rad) == pytest.approx(degrees, abs=1.0)
+        contours = truth.frames[0].slices[index].contours
+        drawn_mm = next(c.points for c in contours if c.structure is EPI)
+        back_mm = slice_.aligned_mm(slice_.contours_mm[EPI][0].points_mm)
+        assert np.linalg.norm(back_mm - np.array(drawn_mm), axis=1).mean() < 0.5
+    assert not any(s.turn_rad for s in stiff.slices)
+    volume = 4e-3 / 3 * np.pi * 36.0 * 24.0 * 44.0
+    assert volume_ml(frame.surfaces[EPI]) == pytest.approx(volume, rel=0.03)
+    away = {name: outside_mm(f.surfaces[EPI]) for name, f in (("free", frame), ("stiff", stiff))}
+    assert away["free"] < away["stiff"]
+    assert away["free"] < 0.5
+
+
+def outside_mm(mesh) -> float:
+    """Mean distance, to first order, to the outer ellipsoid of `ellipsoids`."""
+    ellipsoid = Ellipsoid((0.0, 0.0, 0.0), (36.0, 24.0, 44.0))
+    return float(np.abs(ellipsoid.signed_mm(mesh.vertices_mm)).mean())
+
+
+@pytest.mark.parametrize("method", ["muon", "adam"])
+def test_both_ways_to_descend_find_the_spheres(concentric_spheres, quick: Options, method) -> None:
+    optimizer = {"method": method, "samples_per_step": 1024, "learning_rate": 1e-2}
+    options = Options.model_validate(quick.model_dump() | {"optimizer": optimizer})
+    mesh = reconstruct(concentric_spheres(), options).frames[0].surfaces[EPI]
+    assert radial_error_mm(mesh, 35.0).mean() < 1.0
+
+
+def test_the_published_recipe_runs(concentric_spheres) -> None:
+    options = Options.model_validate(
+        {"preset": "paper", "levels": 3, "iterations_per_level": 60, "mesh": {"grid_mm": 3.0}}
+    )
+    (frame,) = reconstruct(concentric_spheres(), options).frames
+    for structure, radius_mm in ((ENDO, 25.0), (EPI, 35.0)):
+        assert is_watertight(frame.surfaces[structure])
+        assert radial_error_mm(frame.surfaces[structure], radius_mm).mean() < 2.0
+    assert not any(np.any(s.shift_mm) for s in frame.slices)
+
+
 def test_remeshing_keeps_the_surface_and_evens_the_triangles(
     concentric_spheres, quick: Options
 ) -> None:
     options = quick.model_copy(update={"target_edge_mm": 4.0, "surfaces": [EPI]})
-    mesh = reconstruct(concentric_spheres(), options).frames[0].surfaces[EPI]
+    (frame,) = reconstruct(concentric_spheres(), options).frames
+    mesh, before = frame.surfaces[EPI], frame.unremeshed[EPI]
     assert is_watertight(mesh)
     assert euler_number(mesh) == 2
-    edges = np.linalg.norm(mesh.triangles_mm - np.roll(mesh.triangles_mm, 1, axis=1), axis=2)
-    assert np.median(edges) == pytest.approx(4.0, rel=0.15)
+    quality = triangle_quality(mesh)
+    assert quality.edge_mean_mm == pytest.approx(4.0, rel=0.1)
+    assert quality.below_20_deg_percent == 0.0
+    assert triangle_quality(before).below_20_deg_percent > 5.0
+    assert surface_to_surface(mesh, before, 4000).hausdorff95_mm < 0.2
+    assert volume_ml(mesh) == pytest.approx(volume_ml(before), rel=5e-3)
+
+
+def test_surfaces_are_only_kept_twice_where_they_are_remeshed(
+    concentric_spheres, quick: Options
+) -> None:
+    (frame,) = reconstruct(concentric_spheres(), quick).frames
+    assert frame.unremeshed == {}
 
 
 def test_open_base_is_open(concentric_spheres, quick: Options) -> None:

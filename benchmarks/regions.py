@@ -1,0 +1,83 @@
+"""A surface in three parts: apical, middle and basal third of the truth along the long axis."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from schemas.vocabulary import Structure, View
+from worker.arrays import Points, Scalars, Vector
+from worker.phantom.long_axis import long_axis
+from worker.reconstruction.slice_stack import SliceStack
+from worker.surface_mesh import SurfaceMesh
+
+
+class Region(StrEnum):
+    """A third of the truth's extent, in the order of the long axis."""
+
+    APEX = "apex"
+    MID = "mid"
+    BASE = "base"
+
+
+@dataclass(frozen=True, eq=False)
+class Thirds:
+    """Two planes across the long axis, at heights (2,) in mm along the unit vector (3,).
+
+    What lies beyond the truth's ends belongs to the apex or the base.
+    """
+
+    towards_base: Vector
+    cuts_mm: np.ndarray
+
+    def of(self, points_mm: Points) -> np.ndarray:
+        """Index of the region of each of (n, 3) points: 0 apex, 1 mid, 2 base."""
+        return np.searchsorted(self.cuts_mm, points_mm @ self.towards_base)
+
+    def volumes_ml(self, mesh: SurfaceMesh) -> np.ndarray:
+        """What a closed, outward mesh encloses in each region, (3,), mL; exact, sum is the whole.
+
+        Divergence theorem: the field `max(h - cut, 0) * towards_base`, h the height, has divergence
+        one above the cut and zero below it.
+        """
+        corners = mesh.triangles_mm
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        facing_base_mm2 = normals @ self.towards_base / 2.0
+        heights = corners @ self.towards_base
+        lowest = heights.min()
+        above = [
+            float(facing_base_mm2 @ mean_excess(heights - cut)) for cut in (lowest, *self.cuts_mm)
+        ]
+        return -np.diff([*above, 0.0]) / 1000.0
+
+
+def thirds(truth: SurfaceMesh, towards_base: Vector) -> Thirds:
+    """The thirds of a true surface's extent along a unit vector."""
+    heights = truth.vertices_mm @ towards_base
+    return Thirds(towards_base, np.linspace(heights.min(), heights.max(), 4)[1:3])
+
+
+def apex_to_base(stack: SliceStack, truth: Mapping[Structure, SurfaceMesh]) -> Vector:
+    """The unit normal (3,) of a stack's short-axis slices, turned from apex to base.
+
+    The base is the end where the true LV is blunter. Without short-axis slices: the LV's own axis.
+    """
+    own = long_axis(truth).towards_base
+    normals = [s.normal * np.sign(s.normal @ own) for s in stack.slices if s.view is View.SAX]
+    mean = np.mean(normals, axis=0) if normals else own
+    return mean / np.linalg.norm(mean)
+
+
+def mean_excess(heights: np.ndarray) -> Scalars:
+    """Mean over triangles of max(h, 0), h linear with values (n, 3) at the corners; (n,).
+
+    With one corner above zero, the part above is a smaller triangle, over which h is on average a
+    third of that corner's; with one below, the same part below is added back to the mean of h.
+    """
+    low, middle, high = np.sort(heights, axis=1).T
+    mean = heights.mean(axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        peak = high / 3.0 * (high / (high - low)) * (high / (high - middle))
+        pit = -low / 3.0 * (low / (low - high)) * (low / (low - middle))
+    return np.select([low >= 0.0, high <= 0.0, middle <= 0.0], [mean, 0.0, peak], mean + pit)

@@ -1,0 +1,173 @@
+"""Where long-axis outlines pass a short-axis plane, and what that says of the slice's shift.
+
+Both views show one heart, so a long-axis outline must pass the plane of a short-axis slice on that
+slice's own outline of the same structure. Each crossing fixes the shift along the outline's normal;
+a handful of them fix it whole, without any field. Long-axis slices are taken to lie right.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from schemas.vocabulary import View
+from worker.arrays import Flags, PlanePoints, Scalars, Vector
+from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision
+from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
+
+_ROUNDS = 20
+"""Gauss-Newton steps: each finds the nearest points of the outline anew."""
+
+_OUTLIER = 3.0
+"""Residuals beyond so many noise levels count less and less (Huber)."""
+
+_TANGENT_EDGES = 3
+"""Edges either way over which the direction of an outline is taken."""
+
+
+def crossing_evidence(
+    stack: UnitStack, prior: float, noise: float, *, turning: bool = False
+) -> ShiftEvidence:
+    """Shifts of the short-axis slices of a stack, from crossings.
+
+    prior: standard deviation of a shift along each direction, at most. Where crossings show how far
+    the slices of this stack are displaced, that is what the others are expected to be. noise: of an
+    outline, at least; what crossings are found to disagree by is taken where it is larger. Unit
+    lengths. turning: whether slices turn, too.
+    """
+    count = len(stack.slices)
+    found = [_crossings(stack, s) if s.view is View.SAX else [] for s in stack.slices]
+    solved = [_solve(crossings, prior_precision(prior, turning), noise) for crossings in found]
+    residuals = np.concatenate([solution.residuals for solution in solved])
+    seen = sum(_shift_components_seen(solution, prior) for solution in solved)
+    if len(residuals) > seen > 0.0:
+        # A median, since one wrong outline must not loosen the others.
+        left = 1.4826 * float(np.median(np.abs(residuals)))
+        noise = max(noise, left * (len(residuals) / (len(residuals) - seen)) ** 0.5)
+        displaced = (sum(float(s.motion[:2] @ s.motion[:2]) for s in solved) / seen) ** 0.5
+        expected = prior_precision(min(max(noise, displaced), prior), turning)
+        solved = [_solve(crossings, expected, noise) for crossings in found]
+    return ShiftEvidence(
+        motion=np.array([s.motion for s in solved]).reshape(count, 3),
+        precision=np.array([s.precision for s in solved]).reshape(count, 3, 3),
+        crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
+        displaced=True,
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Crossings:
+    """Crossings of one structure in a slice's plane, and that slice's own edges of it, from the
+    slice's pivot.
+
+    steepness: how steeply the long-axis outline passes the plane, 0 (along it) to 1. loose: whether
+    an edge's start, and its end, is the free end of an open outline.
+    """
+
+    points: PlanePoints
+    steepness: Scalars
+    starts: Float[np.ndarray, "edges 2"]
+    ends: Float[np.ndarray, "edges 2"]
+    loose: Bool[np.ndarray, "edges 2"]
+
+
+@dataclass(frozen=True, eq=False)
+class _Solution:
+    motion: Vector
+    precision: Float[np.ndarray, "3 3"]
+    residuals: Scalars
+
+
+def _crossings(stack: UnitStack, slice_: UnitSlice) -> list[_Crossings]:
+    found = []
+    for structure, own in slice_.outlines.items():
+        passes = [
+            _passes(other, outline, slice_)
+            for other in stack.slices
+            if other.view.is_long_axis
+            for outline in other.outlines.get(structure, ())
+        ]
+        points = np.concatenate([p for p, _ in passes]) if passes else np.empty((0, 2))
+        if len(points):
+            steepness = np.concatenate([s for _, s in passes])
+            starts, ends = zip(*(outline.edges for outline in own), strict=True)
+            rings = (points, np.concatenate(starts), np.concatenate(ends))
+            points, start, end = (ring - slice_.pivot for ring in rings)
+            loose = np.concatenate([_loose_ends(outline) for outline in own])
+            found.append(_Crossings(points, steepness, start, end, loose))
+    return found
+
+
+def _loose_ends(outline: UnitOutline) -> Bool[np.ndarray, "edges 2"]:
+    loose = np.zeros((len(outline.edges[0]), 2), dtype=bool)
+    if not outline.closed:
+        loose[0, 0] = loose[-1, 1] = True
+    return loose
+
+
+def _passes(
+    other: UnitSlice, outline: UnitOutline, slice_: UnitSlice
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points (m, 2) in the slice's plane where the outline of another passes it; steepness (m,)."""
+    starts, ends = (other.lift(edge) for edge in outline.edges)
+    below, above = ((edge - slice_.origin) @ slice_.normal for edge in (starts, ends))
+    through = np.flatnonzero((below > 0.0) != (above > 0.0))
+    t = (below / np.where(below == above, 1.0, below - above))[through, None]
+    edges = ends - starts
+    around = through[:, None] + np.arange(-_TANGENT_EDGES, _TANGENT_EDGES + 1)
+    around = around % len(edges) if outline.closed else np.clip(around, 0, len(edges) - 1)
+    along = edges[around].sum(axis=1)
+    lengths = np.linalg.norm(along, axis=1)
+    steepness = np.abs(along @ slice_.normal) / np.where(lengths > 0.0, lengths, 1.0)
+    return slice_.drop(starts[through] + t * edges[through]), steepness
+
+
+def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: float) -> _Solution:
+    """The most probable motion: the slice's outlines, moved back by it, meet the crossings."""
+    motion, precision = np.zeros(3), prior
+    residuals = [np.empty(0)]
+    for _ in range(_ROUNDS if found else 0):
+        precision, pull = prior, -prior @ motion
+        residuals = []
+        for one in found:
+            turn = _turn_by(motion[2])
+            drawn = (one.points + motion[:2]) @ turn.T
+            away, normals, drawn_there = _offsets(drawn, one)
+            doubt = np.maximum(1.0, np.abs(away) / (_OUTLIER * noise))
+            weights = drawn_there * one.steepness**2 / (noise**2 * doubt)
+            by_turn = normals[:, 1] * drawn[:, 0] - normals[:, 0] * drawn[:, 1]
+            slopes = np.column_stack([normals @ turn, by_turn])
+            precision = precision + np.einsum("n,ni,nj->ij", weights, slopes, slopes)
+            pull = pull + np.einsum("n,ni,n->i", weights, slopes, away)
+            residuals.append((one.steepness * away)[drawn_there])
+        motion = motion + np.linalg.solve(precision, pull)
+    return _Solution(motion, precision, np.concatenate(residuals))
+
+
+def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _shift_components_seen(solution: _Solution, prior: float) -> float:
+    """How many of a shift's two components the crossings fix, beyond what the prior says."""
+    covariance = np.linalg.inv(solution.precision)[:2, :2]
+    return 2.0 - float(np.trace(covariance)) / prior**2
+
+
+def _offsets(points: PlanePoints, one: _Crossings) -> tuple[Scalars, PlanePoints, Flags]:
+    """Signed distances of points to the nearest edge along that edge's normal, and the normals.
+
+    Last, whether the outline was drawn there: beyond the free end of an open one it says nothing.
+    """
+    edges = one.ends - one.starts
+    squares = np.maximum((edges**2).sum(axis=1), 1e-30)
+    t = np.clip(((points[:, None] - one.starts) * edges).sum(axis=2) / squares, 0.0, 1.0)
+    to_edge = one.starts + t[..., None] * edges - points[:, None]
+    nearest = (to_edge**2).sum(axis=2).argmin(axis=1)
+    each = np.arange(len(points))
+    along = edges[nearest] / np.sqrt(squares[nearest])[:, None]
+    normals = np.column_stack([along[:, 1], -along[:, 0]])
+    loose = one.loose[nearest]
+    beyond = loose[:, 0] & (t[each, nearest] <= 0.0) | loose[:, 1] & (t[each, nearest] >= 1.0)
+    return (to_edge[each, nearest] * normals).sum(axis=1), normals, ~beyond

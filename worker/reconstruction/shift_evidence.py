@@ -1,0 +1,52 @@
+"""What is known of slices' shifts, and turns, before any field, and how firmly."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+TURN_PRIOR = math.radians(5.0)
+"""Standard deviation of a slice's turn in its own plane, where slices turn at all."""
+
+_NO_TURN = 1e-4
+"""And where they do not, radians."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShiftEvidence:
+    """Most probable motion of every slice in its own plane: shift along its two axes, and turn.
+
+    motion: unit lengths, unit lengths, radians right-handed about the slice's pivot. precision: its
+    inverse covariance, the prior included. crossings: how many points of long-axis outlines it
+    rests on. displaced: whether slices are to be moved at all.
+    """
+
+    motion: Float[np.ndarray, "slices 3"]
+    precision: Float[np.ndarray, "slices 3 3"]
+    crossings: Int[np.ndarray, " slices"]
+    displaced: bool
+
+    def deviations(self) -> Float[np.ndarray, " slices"]:
+        """Standard deviation of each shift along its least certain direction, unit lengths.
+
+        NaN where it rests on no crossing.
+        """
+        covariance = np.linalg.inv(self.precision)[:, :2, :2]
+        largest = np.linalg.eigvalsh(covariance)[:, -1]
+        return np.where(self.crossings > 0, np.sqrt(largest), np.nan)
+
+
+def prior_precision(shift: float, turning: bool) -> Float[np.ndarray, "3 3"]:
+    """Of a slice's motion, by the standard deviation of its shift along each direction."""
+    return np.diag([shift**-2.0, shift**-2.0, (TURN_PRIOR if turning else _NO_TURN) ** -2.0])
+
+
+def no_evidence(slices: int, prior: float) -> ShiftEvidence:
+    """No slice is to move; were it to, by `prior` along each axis (standard deviation)."""
+    return ShiftEvidence(
+        motion=np.zeros((slices, 3)),
+        precision=np.tile(prior_precision(prior, False), (slices, 1, 1)),
+        crossings=np.zeros(slices, dtype=np.int64),
+        displaced=False,
+    )
