@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-import pyvista
 import trimesh
 from trimesh.exchange.gltf import export_glb
 from trimesh.exchange.ply import export_ply
@@ -108,6 +107,9 @@ def _ply(path: Path, content: _Content) -> None:
 
 
 def _vtp(path: Path, content: _Content) -> None:
+    # Here, since VTK takes half a second to load, and no other format needs it.
+    import pyvista
+
     surface = pyvista.PolyData.from_regular_faces(content.mesh.vertices_mm, content.mesh.faces)
     surface.field_data["units"] = ["mm"]
     surface.field_data["axes"] = [str(content.axes)]
