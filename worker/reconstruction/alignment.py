@@ -60,13 +60,14 @@ class SliceShifts(nn.Module):
         self._unobservable = _single(_unobservable(stack, free))
         self._precision = _single(evidence.precision * _handicap(stack)[:, None, None])
         self._limit = limit
-        self.moving = evidence.displaced
+        self._settled = torch.as_tensor(evidence.settled)[:, None]
         self.in_plane = nn.Parameter(_single(evidence.motion[:, :2]))
         # Evidence of slices that do not turn holds them at nothing, but for rounding.
         turns = _single(evidence.motion[:, 2] if turning else np.zeros(len(free)))
         self.turns = nn.Parameter(turns, requires_grad=turning)
-        self.restrain()
+        self._project()
         self._expected = self._motion().detach().clone()
+        self.moving = evidence.displaced and bool((self._free.bool() & ~self._settled).any())
 
     def displacements(self) -> Tensor:
         """(slices, 3) unit lengths."""
@@ -102,7 +103,15 @@ class SliceShifts(nn.Module):
 
     @torch.no_grad()
     def restrain(self) -> None:
-        """Take out what the slices cannot know, and keep every shift and turn within its limit."""
+        """Take out what the slices cannot know, keep every motion within its limit, and put back
+        what the evidence has settled.
+        """
+        self._project()
+        self.in_plane.copy_(torch.where(self._settled, self._expected[:, :2], self.in_plane))
+        self.turns.copy_(torch.where(self._settled[:, 0], self._expected[:, 2], self.turns))
+
+    @torch.no_grad()
+    def _project(self) -> None:
         flat = self.in_plane.mul_(self._free).view(-1)
         flat -= self._unobservable @ (self._unobservable.t() @ flat)
         length = self.in_plane.norm(dim=1, keepdim=True)

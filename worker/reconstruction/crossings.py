@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float
 
 from schemas.vocabulary import View
 from worker.arrays import Flags, PlanePoints, Scalars, Vector
-from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision
+from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision, shift_deviations
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
 _ROUNDS = 20
@@ -21,6 +21,9 @@ _ROUNDS = 20
 
 _OUTLIER = 3.0
 """Residuals beyond so many noise levels count less and less (Huber)."""
+
+_SETTLED = 2.0
+"""In outline noises: shifts known as well as this are not learned, which would only shake them."""
 
 _TANGENT_EDGES = 3
 """Edges either way over which the direction of an outline is taken."""
@@ -44,14 +47,18 @@ def crossing_evidence(
     if len(residuals) > seen > 0.0:
         # A median, since one wrong outline must not loosen the others.
         left = 1.4826 * float(np.median(np.abs(residuals)))
-        noise = max(noise, left * (len(residuals) / (len(residuals) - seen)) ** 0.5)
-        displaced = (sum(float(s.motion[:2] @ s.motion[:2]) for s in solved) / seen) ** 0.5
-        expected = prior_precision(min(max(noise, displaced), prior), turning)
-        solved = [_solve(crossings, expected, noise) for crossings in found]
+        spread = max(noise, left * (len(residuals) / (len(residuals) - seen)) ** 0.5)
+        solved = [_solve(crossings, prior_precision(prior, turning), spread) for crossings in found]
+        expected = min(max(noise, _displacement(solved, seen)), prior)
+        solved = [
+            _solve(crossings, prior_precision(expected, turning), spread) for crossings in found
+        ]
+    precision = np.array([s.precision for s in solved]).reshape(count, 3, 3)
     return ShiftEvidence(
         motion=np.array([s.motion for s in solved]).reshape(count, 3),
-        precision=np.array([s.precision for s in solved]).reshape(count, 3, 3),
+        precision=precision,
         crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
+        settled=shift_deviations(precision) <= _SETTLED * noise,
         displaced=True,
     )
 
@@ -147,6 +154,14 @@ def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: 
 
 def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+def _displacement(solved: Sequence[_Solution], seen: float) -> float:
+    """Standard deviation of the shifts themselves: of those found, less what is their noise."""
+    crossed = [s for s in solved if len(s.residuals)]
+    found = sum(float(s.motion[:2] @ s.motion[:2]) for s in crossed)
+    doubt = sum(float(np.trace(np.linalg.inv(s.precision)[:2, :2])) for s in crossed)
+    return (max(found - doubt, 0.0) / seen) ** 0.5
 
 
 def _shift_components_seen(solution: _Solution, prior: float) -> float:

@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 TURN_PRIOR = math.radians(5.0)
 """Standard deviation of a slice's turn in its own plane, where slices turn at all."""
@@ -19,12 +19,14 @@ class ShiftEvidence:
 
     motion: unit lengths, unit lengths, radians right-handed about the slice's pivot. precision: its
     inverse covariance, the prior included. crossings: how many points of long-axis outlines it
-    rests on. displaced: whether slices are to be moved at all.
+    rests on. settled: whether it is known so well that a field has nothing to add. displaced:
+    whether slices are to be moved at all.
     """
 
     motion: Float[np.ndarray, "slices 3"]
     precision: Float[np.ndarray, "slices 3 3"]
     crossings: Int[np.ndarray, " slices"]
+    settled: Bool[np.ndarray, " slices"]
     displaced: bool
 
     def deviations(self) -> Float[np.ndarray, " slices"]:
@@ -32,9 +34,13 @@ class ShiftEvidence:
 
         NaN where it rests on no crossing.
         """
-        covariance = np.linalg.inv(self.precision)[:, :2, :2]
-        largest = np.linalg.eigvalsh(covariance)[:, -1]
-        return np.where(self.crossings > 0, np.sqrt(largest), np.nan)
+        return np.where(self.crossings > 0, shift_deviations(self.precision), np.nan)
+
+
+def shift_deviations(precision: Float[np.ndarray, "slices 3 3"]) -> Float[np.ndarray, " slices"]:
+    """Standard deviation of shifts along their least certain direction."""
+    covariance = np.linalg.inv(precision)[:, :2, :2]
+    return np.sqrt(np.linalg.eigvalsh(covariance)[:, -1])
 
 
 def prior_precision(shift: float, turning: bool) -> Float[np.ndarray, "3 3"]:
@@ -48,5 +54,6 @@ def no_evidence(slices: int, prior: float) -> ShiftEvidence:
         motion=np.zeros((slices, 3)),
         precision=np.tile(prior_precision(prior, False), (slices, 1, 1)),
         crossings=np.zeros(slices, dtype=np.int64),
+        settled=np.zeros(slices, dtype=bool),
         displaced=False,
     )

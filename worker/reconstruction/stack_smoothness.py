@@ -84,6 +84,7 @@ def smoothness_evidence(
         motion=np.column_stack([np.array(shifts), np.zeros(count)]),
         precision=np.tile(prior_precision(expected, turning), (count, 1, 1)),
         crossings=np.zeros(count, dtype=np.int64),
+        settled=np.zeros(count, dtype=bool),
         displaced=True,
     )
 

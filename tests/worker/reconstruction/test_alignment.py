@@ -1,5 +1,7 @@
 """Shifts start where the evidence says, move what it holds, and nothing else."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -166,7 +168,7 @@ def test_slices_without_outlines_of_what_is_fitted_neither_move_nor_count(
 def evidence_at(stack: UnitStack, motion: np.ndarray, *, displaced: bool = True) -> ShiftEvidence:
     count = len(stack.slices)
     nothing = no_evidence(count, PRIOR)
-    return ShiftEvidence(motion, nothing.precision, nothing.crossings, displaced)
+    return replace(nothing, motion=motion, displaced=displaced)
 
 
 def test_shifts_start_at_the_evidence(concentric_spheres) -> None:
@@ -238,3 +240,22 @@ def test_gradients_of_aligned_points_reach_shifts_and_turns(concentric_spheres) 
         assert shifts.in_plane.grad[5].any()
         assert not shifts.in_plane.grad[[0, 1, 2, 3, 4, 6]].any()
         assert (shifts.turns.grad is not None) == turning
+
+
+def test_what_evidence_has_settled_is_not_learned(concentric_spheres) -> None:
+    study = concentric_spheres()
+    stack, _ = normalise(build_stack(study, study.frames[0]))
+    count = len(stack.slices)
+    sax = np.array([s.view is View.SAX and bool(s.outlines) for s in stack.slices])
+    settled = np.arange(count) % 2 == 0
+    evidence = replace(evidence_at(stack, np.full((count, 3), 0.02)), settled=settled)
+    shifts = SliceShifts(stack, evidence, 0.5)
+    before = shifts.found().shifts
+    assert shifts.moving
+    with torch.no_grad():
+        shifts.in_plane.add_(0.01)
+    shifts.restrain()
+    stayed = np.isclose(shifts.found().shifts, before, atol=1e-7).all(axis=1)
+    np.testing.assert_array_equal(stayed, settled | ~sax)
+    everything = replace(evidence, settled=np.ones(count, dtype=bool))
+    assert not SliceShifts(stack, everything, 0.5).moving

@@ -1,5 +1,7 @@
 """One step moves every parameter, as far as its rate and the decay say."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 from torch import Tensor
@@ -7,10 +9,10 @@ from torch import Tensor
 from schemas.options import Options
 from schemas.study import ContourStudy
 from worker.reconstruction.alignment import SliceShifts
-from worker.reconstruction.crossings import crossing_evidence
 from worker.reconstruction.descent import Descent
 from worker.reconstruction.network import TissueField
 from worker.reconstruction.normalisation import normalise
+from worker.reconstruction.shift_evidence import no_evidence
 from worker.reconstruction.stacking import build_stack
 
 METHODS = pytest.mark.parametrize("method", ["muon", "adam"])
@@ -25,7 +27,7 @@ def options_of(method: str, depth: int = 3) -> Options:
 def start(study: ContourStudy, options: Options) -> tuple[TissueField, SliceShifts]:
     stack, _ = normalise(build_stack(study, study.frames[0]))
     field = TissueField(3, options.network, torch.Generator().manual_seed(0))
-    evidence = crossing_evidence(stack, 0.1, 0.007, turning=True)
+    evidence = replace(no_evidence(len(stack.slices), 0.1), displaced=True)
     return field, SliceShifts(stack, evidence, 0.4, turning=True)
 
 

@@ -1,5 +1,7 @@
 """What evidence says in its closed forms: precisions, deviations, and none at all."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -38,6 +40,7 @@ def test_a_deviation_is_that_of_the_least_certain_direction(degrees: float) -> N
         motion=np.zeros((2, 3)),
         precision=np.tile(np.linalg.inv(covariance), (2, 1, 1)),
         crossings=np.array([3, 0]),
+        settled=np.zeros(2, dtype=bool),
         displaced=True,
     )
     np.testing.assert_allclose(evidence.deviations(), [0.03, np.nan])
@@ -46,5 +49,7 @@ def test_a_deviation_is_that_of_the_least_certain_direction(degrees: float) -> N
 def test_a_turn_that_is_not_known_leaves_a_shift_that_hangs_on_it_uncertain() -> None:
     """Deviations are marginal: whatever the turn is."""
     precision = np.array([[4.0, 0.0, 1.9], [0.0, 4.0, 0.0], [1.9, 0.0, 1.0]])
-    evidence = ShiftEvidence(np.zeros((1, 3)), precision[None], np.array([4]), True)
+    evidence = replace(
+        no_evidence(1, 1.0), precision=precision[None], crossings=np.array([4]), displaced=True
+    )
     np.testing.assert_allclose(evidence.deviations(), (4.0 - 1.9**2) ** -0.5)
