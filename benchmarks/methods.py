@@ -96,7 +96,7 @@ METHODS = (
         "morphological",
         "benchmarks.by_itk:by_morphological",
         "morphological",
-        "ITK's morphological contour interpolation, run as it is: Albu et al., IEEE TBME 55(8), "
+        "ITK's morphological contour interpolation, by dilation: Albu et al., IEEE TBME 55(8), "
         "2008; Zukic et al., Insight Journal 2016",
         _STACK,
     ),
