@@ -49,7 +49,7 @@ def crossing_evidence(
         left = 1.4826 * float(np.median(np.abs(residuals)))
         spread = max(noise, left * (len(residuals) / (len(residuals) - seen)) ** 0.5)
         solved = [_solve(crossings, prior_precision(prior, turning), spread) for crossings in found]
-        expected = min(max(noise, _displacement(solved, seen)), prior)
+        expected = min(max(noise, _displacement(solved, seen, prior)), prior)
         solved = [
             _solve(crossings, prior_precision(expected, turning), spread) for crossings in found
         ]
@@ -156,11 +156,14 @@ def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def _displacement(solved: Sequence[_Solution], seen: float) -> float:
+def _displacement(solved: Sequence[_Solution], seen: float, prior: float) -> float:
     """Standard deviation of the shifts themselves: of those found, less what is their noise."""
-    crossed = [s for s in solved if len(s.residuals)]
-    found = sum(float(s.motion[:2] @ s.motion[:2]) for s in crossed)
-    doubt = sum(float(np.trace(np.linalg.inv(s.precision)[:2, :2])) for s in crossed)
+    found, doubt = 0.0, 0.0
+    for solution in solved:
+        covariance = np.linalg.inv(solution.precision)[:2, :2]
+        found += float(solution.motion[:2] @ solution.motion[:2])
+        # Along a direction that nothing crosses, nothing is found and nothing is noise.
+        doubt += float(np.trace(covariance @ (np.eye(2) - covariance / prior**2)))
     return (max(found - doubt, 0.0) / seen) ** 0.5
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from schemas.study import ContourStudy
-from schemas.vocabulary import Structure
+from schemas.vocabulary import Structure, View
 from worker.phantom.analytic_heart import heart
 from worker.phantom.slicing import SlicedStudy, slice_meshes
 from worker.phantom.slicing_plan import SlicingPlan
@@ -282,3 +282,19 @@ def test_an_unsteady_hand_is_not_taken_for_breath_holds(noise_mm: float) -> None
     crossed = [name for name, count in found.crossings.items() if count]
     lengths_mm = [np.linalg.norm(found.shifts_mm[name]) for name in crossed]
     assert np.sqrt(np.mean(np.square(lengths_mm))) < 0.75 * noise_mm
+
+
+def test_what_one_long_axis_slice_leaves_unseen_makes_its_shifts_no_smaller() -> None:
+    plan = SlicingPlan(shift_sd_mm=3.0, long_axis_planes=1, seed=2)
+    sliced = slice_meshes(heart(0.0).meshes(2.0), plan)
+    found = Found(sliced.study)
+    long_axis = next(s for s in found.stack.slices if s.view is not View.SAX)
+    normals = found.frame.displacement_to_mm(np.array([s.normal for s in found.stack.slices[:1]]))
+    across = found.frame.displacement_to_mm(long_axis.normal[None])
+    seen = np.cross(across, normals)[0]
+    seen /= np.linalg.norm(seen)
+    crossed = [name for name, count in found.crossings.items() if count > 3]
+    assert len(crossed) > 5
+    for name in crossed:
+        error_mm = (found.shifts_mm[name] - sliced.true_shifts_mm[name]) @ seen
+        assert abs(error_mm) < 0.15
