@@ -18,6 +18,7 @@ from schemas.report import (
 from schemas.vocabulary import MeshFormat, Structure
 from worker.arrays import Scalars
 from worker.artifacts.evidence import aligned_outlines
+from worker.artifacts.outline_warnings import outline_warnings
 from worker.artifacts.support_warnings import support_warnings
 from worker.artifacts.surface_report import surface_report
 from worker.evaluation.distance import points_to_surface_mm
@@ -43,7 +44,8 @@ def build_report(
     Contour residuals are exact distances, in mm, from the observed outlines' points, moved back by
     their slice's shift, to the surface. Long-axis chords at the valves are no observation and are
     not measured. A volume is only given for a watertight surface. Where a surface goes on beyond
-    its short-axis slices and no long-axis contour follows it, a warning is added.
+    its short-axis slices and no long-axis contour follows it, and where views contradict each
+    other, a warning is added.
 
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
@@ -56,6 +58,7 @@ def build_report(
         function=_function(frames),
         warnings=[
             *warnings,
+            *(text for one in frames for text in outline_warnings(one.label, one.outline_noise_mm)),
             *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
         ],
         timings_s=dict(timings_s),
@@ -76,6 +79,7 @@ def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
     return FrameReport(
         label=fit.label,
         time_ms=fit.time_ms,
+        outline_noise_mm=fit.outline_noise_mm,
         surfaces={
             structure: surface_report(
                 mesh,

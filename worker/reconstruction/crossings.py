@@ -14,6 +14,7 @@ from jaxtyping import Bool, Float
 from schemas.vocabulary import View
 from worker.arrays import Flags, PlanePoints, Scalars, Vector
 from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision, shift_deviations
+from worker.reconstruction.shift_variance import SliceOffsets, joined_offsets, shift_variance
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
 _ROUNDS = 20
@@ -21,6 +22,10 @@ _ROUNDS = 20
 
 _OUTLIER = 3.0
 """Residuals beyond so many noise levels count less and less (Huber)."""
+
+_TELLING = 6.0
+"""Nats by which displaced slices must explain the crossings better than slices in place, before any
+moves: odds of four hundred to one."""
 
 _SETTLED = 2.0
 """In outline noises: shifts known as well as this are not learned, which would only shake them."""
@@ -35,31 +40,34 @@ def crossing_evidence(
     """Shifts of the short-axis slices of a stack, from crossings.
 
     prior: standard deviation of a shift along each direction, at most. Where crossings show how far
-    the slices of this stack are displaced, that is what the others are expected to be. noise: of an
-    outline, at least; what crossings are found to disagree by is taken where it is larger. Unit
-    lengths. turning: whether slices turn, too.
+    the slices of this stack are displaced, that is what the others are expected to be; where slices
+    in place explain them nearly as well, none moves. noise: of an outline, at least; what crossings
+    are found to disagree by is taken where it is larger. Unit lengths. turning: whether slices
+    turn, too.
     """
-    count = len(stack.slices)
     found = [_crossings(stack, s) if s.view is View.SAX else [] for s in stack.slices]
-    solved = [_solve(crossings, prior_precision(prior, turning), noise) for crossings in found]
-    residuals = np.concatenate([solution.residuals for solution in solved])
-    seen = sum(_shift_components_seen(solution, prior) for solution in solved)
-    if len(residuals) > seen > 0.0:
-        # A median, since one wrong outline must not loosen the others.
-        left = 1.4826 * float(np.median(np.abs(residuals)))
-        spread = max(noise, left * (len(residuals) / (len(residuals) - seen)) ** 0.5)
-        solved = [_solve(crossings, prior_precision(prior, turning), spread) for crossings in found]
-        expected = min(max(noise, _displacement(solved, seen, prior)), prior)
-        solved = [
-            _solve(crossings, prior_precision(expected, turning), spread) for crossings in found
-        ]
-    precision = np.array([s.precision for s in solved]).reshape(count, 3, 3)
+    free = prior_precision(prior, turning)
+    solved = [_solve(crossings, free, noise) for crossings in found]
+    usual = max(noise, _usual_miss(solved, prior))
+    solved = [_solve(crossings, free, usual) for crossings in found]
+    spread = shift_variance(
+        [solution.offsets for solution in solved], noise / 20.0, 4.0 * prior, least_noise=noise
+    )
+    unsteady = max(noise, spread.noise)
+    crossed = any(crossings for crossings in found)
+    expected = min(max(noise, spread.displacement), prior) if crossed else prior
+    held = prior_precision(expected, turning)
+    solved = [_solve(crossings, held, unsteady) for crossings in found]
+    displaced = spread.evidence > _TELLING or not crossed
+    precision = np.array([s.precision for s in solved]).reshape(len(found), 3, 3)
+    motion = np.array([s.motion for s in solved]).reshape(len(found), 3)
     return ShiftEvidence(
-        motion=np.array([s.motion for s in solved]).reshape(count, 3),
+        motion=motion if displaced else np.zeros_like(motion),
         precision=precision,
         crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
         settled=shift_deviations(precision) <= _SETTLED * noise,
-        displaced=True,
+        displaced=displaced,
+        outline_noise=spread.noise if crossed else None,
     )
 
 
@@ -81,9 +89,14 @@ class _Crossings:
 
 @dataclass(frozen=True, eq=False)
 class _Solution:
+    """residuals: misses that are left, across the long-axis outline. offsets: the same as seen
+    before any shift, those that are out of line weighing less.
+    """
+
     motion: Vector
     precision: Float[np.ndarray, "3 3"]
     residuals: Scalars
+    offsets: SliceOffsets
 
 
 def _crossings(stack: UnitStack, slice_: UnitSlice) -> list[_Crossings]:
@@ -133,10 +146,10 @@ def _passes(
 def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: float) -> _Solution:
     """The most probable motion: the slice's outlines, moved back by it, meet the crossings."""
     motion, precision = np.zeros(3), prior
-    residuals = [np.empty(0)]
+    residuals, offsets = [np.empty(0)], [SliceOffsets(np.empty((0, 2)), np.empty(0), np.empty(0))]
     for _ in range(_ROUNDS if found else 0):
         precision, pull = prior, -prior @ motion
-        residuals = []
+        residuals, offsets = [], []
         for one in found:
             turn = _turn_by(motion[2])
             drawn = (one.points + motion[:2]) @ turn.T
@@ -148,23 +161,27 @@ def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: 
             precision = precision + np.einsum("n,ni,nj->ij", weights, slopes, slopes)
             pull = pull + np.einsum("n,ni,n->i", weights, slopes, away)
             residuals.append((one.steepness * away)[drawn_there])
+            before = away + slopes[:, :2] @ motion[:2]
+            steady = (one.steepness / doubt) ** 2
+            offsets.append(
+                SliceOffsets(slopes[drawn_there, :2], before[drawn_there], steady[drawn_there])
+            )
         motion = motion + np.linalg.solve(precision, pull)
-    return _Solution(motion, precision, np.concatenate(residuals))
+    return _Solution(motion, precision, np.concatenate(residuals), joined_offsets(offsets))
 
 
 def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def _displacement(solved: Sequence[_Solution], seen: float, prior: float) -> float:
-    """Standard deviation of the shifts themselves: of those found, less what is their noise."""
-    found, doubt = 0.0, 0.0
-    for solution in solved:
-        covariance = np.linalg.inv(solution.precision)[:2, :2]
-        found += float(solution.motion[:2] @ solution.motion[:2])
-        # Along a direction that nothing crosses, nothing is found and nothing is noise.
-        doubt += float(np.trace(covariance @ (np.eye(2) - covariance / prior**2)))
-    return (max(found - doubt, 0.0) / seen) ** 0.5
+def _usual_miss(solved: Sequence[_Solution], prior: float) -> float:
+    """Standard deviation of the residuals, by their median: one wrong outline changes it little."""
+    residuals = np.concatenate([solution.residuals for solution in solved])
+    seen = sum(_shift_components_seen(solution, prior) for solution in solved)
+    if len(residuals) == 0 or len(residuals) <= seen:
+        return 0.0
+    freedom = 1.0 - seen / len(residuals)
+    return 1.4826 * float(np.median(np.abs(residuals))) / freedom**0.5
 
 
 def _shift_components_seen(solution: _Solution, prior: float) -> float:

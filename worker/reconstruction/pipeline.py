@@ -33,11 +33,12 @@ from worker.reconstruction.remeshing import remesh
 from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reconstruction, SliceFit
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
-from worker.reconstruction.shift_evidence import ShiftEvidence, no_evidence
+from worker.reconstruction.shift_evidence import ShiftEvidence
 from worker.reconstruction.slice_stack import SliceStack
 from worker.reconstruction.stack_ends import past_the_ends
 from worker.reconstruction.stack_smoothness import smoothness_evidence
 from worker.reconstruction.stacking import build_stack
+from worker.reconstruction.tempering import tempered
 from worker.reconstruction.tissues import Partition, partition
 from worker.reconstruction.unit_stack import UnitStack
 from worker.reconstruction.workload import check_workload
@@ -106,7 +107,8 @@ def _reconstruct_frame(
     shifts = SliceShifts(
         unit_stack.showing(classes.surfaces), evidence, furthest, turning=options.alignment.rotate
     )
-    fit = fit_field(samples_of, shifts, classes, options, fitting)
+    suited = tempered(options, _outline_noise(evidence, options, unit_mm))
+    fit = fit_field(samples_of, shifts, classes, suited, fitting)
     meshing = observer.part(_FIT_SHARE, 1.0)
     motion = shifts.found()
     outlines = _aligned_outlines(unit_stack, motion)
@@ -120,19 +122,28 @@ def _reconstruct_frame(
         unremeshed=unremeshed,
         slices=_slice_fits(stack, unit_stack, unit_frame, motion, evidence),
         levels=_level_fits(fit, unit_frame, options),
+        outline_noise_mm=None
+        if evidence.outline_noise is None
+        else unit_mm * evidence.outline_noise,
     )
 
 
 def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEvidence:
-    """What is known of the slices' shifts before the fit: nothing, where they may not move."""
+    """What is known of the slices' shifts, and of how unsteady outlines are, before the fit."""
     prior = min(options.alignment.prior_mm / unit_mm, _WIDEST_PRIOR)
-    if not options.align_slices:
-        return no_evidence(len(stack.slices), prior)
     noise = min(_OUTLINE_NOISE_MM / unit_mm, prior)
     crossed = crossing_evidence(stack, prior, noise, turning=options.alignment.rotate)
+    if not options.align_slices:
+        return crossed.in_place(prior)
     if crossed.crossings.any():
         return crossed
     return smoothness_evidence(stack, prior, noise, unit_mm, turning=options.alignment.rotate)
+
+
+def _outline_noise(evidence: ShiftEvidence, options: Options, unit_mm: float) -> float:
+    """How unsteady outlines are taken to be, unit lengths."""
+    given_mm = options.loss.outline_noise_mm
+    return (evidence.outline_noise or 0.0) if given_mm is None else given_mm / unit_mm
 
 
 def _mesh(

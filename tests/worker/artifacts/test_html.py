@@ -82,6 +82,7 @@ def report() -> Report:
     frame = FrameReport(
         label="ED",
         time_ms=None,
+        outline_noise_mm=0.456,
         surfaces={Structure.LV_ENDO: surface},
         slices=[observed, empty],
         levels=[_level(0, 0.5), _level(1, 0.05)],
@@ -169,6 +170,7 @@ def test_text_of_the_caller_is_escaped(report: Report) -> None:
         "4.15 <small>not followed",
         "27.5",
         "0.37",
+        "miss each other by 0.46 mm",
         "&gt; 1000",
         "1.50\N{EN DASH}2.50",
     ],

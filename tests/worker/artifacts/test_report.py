@@ -167,6 +167,13 @@ def stack(*, long_axis: bool) -> FrameFit:
     return frame("ED", 30.0, *slices)
 
 
+def test_views_that_contradict_each_other_are_told_of() -> None:
+    unsteady = replace(frame("ED", 30.0), outline_noise_mm=1.5)
+    report = report_of(unsteady, frame("ES", 20.0))
+    assert [one.outline_noise_mm for one in report.frames] == [1.5, None]
+    assert [w[:3] for w in report.warnings if "1.5 mm, beyond" in w] == ["ED:"]
+
+
 def test_an_end_that_no_long_axis_slice_shows_is_told_of() -> None:
     report = report_of(stack(long_axis=False))
     surface = report.frames[0].surfaces[Structure.LV_ENDO]

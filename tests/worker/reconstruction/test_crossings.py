@@ -214,6 +214,8 @@ def test_without_long_axis_slices_there_is_the_prior_alone(concentric_spheres) -
     evidence = crossing_evidence(stack, 0.09, 0.007)
     assert not evidence.motion.any()
     assert not evidence.crossings.any()
+    assert evidence.outline_noise is None
+    assert evidence.in_place(0.09).outline_noise is None
     np.testing.assert_array_equal(
         evidence.precision, np.tile(prior_precision(0.09, False), (len(stack.slices), 1, 1))
     )
@@ -279,9 +281,38 @@ def test_where_an_open_outline_was_not_drawn_nothing_pulls(concentric_spheres) -
 def test_an_unsteady_hand_is_not_taken_for_breath_holds(noise_mm: float) -> None:
     plan = SlicingPlan(noise_sd_mm=noise_mm, seed=3)
     found = Found(slice_meshes(heart(0.0).meshes(2.0), plan).study)
-    crossed = [name for name, count in found.crossings.items() if count]
-    lengths_mm = [np.linalg.norm(found.shifts_mm[name]) for name in crossed]
-    assert np.sqrt(np.mean(np.square(lengths_mm))) < 0.75 * noise_mm
+    assert not found.evidence.displaced
+    assert not found.evidence.motion.any()
+    # Both outlines that cross are unsteady.
+    assert found.evidence.outline_noise * found.unit_mm == pytest.approx(
+        2.0**0.5 * noise_mm, rel=0.25
+    )
+
+
+def test_an_unsteady_hand_hides_no_breath_holds() -> None:
+    plan = SlicingPlan(noise_sd_mm=0.5, shift_sd_mm=1.5, seed=3)
+    sliced = slice_meshes(heart(0.0).meshes(2.0), plan)
+    found = Found(sliced.study)
+    assert found.evidence.displaced
+    assert found.evidence.outline_noise * found.unit_mm == pytest.approx(0.5 * 2.0**0.5, rel=0.3)
+    errors = [
+        np.linalg.norm(found.shifts_mm[name] - shift)
+        for name, shift in sliced.true_shifts_mm.items()
+        if found.crossings[name] > 3
+    ]
+    assert np.sqrt(np.mean(np.square(errors))) < 0.8
+
+
+def test_slices_that_may_not_move_disagree_by_their_shifts(concentric_spheres) -> None:
+    study = concentric_spheres(displacements=SHIFTS_MM, centre=(0.0, 0.0, 0.0))
+    found = Found(study)
+    still = found.evidence.in_place(0.05)
+    assert not still.displaced
+    assert not still.motion.any()
+    crossed = [k for k in SHIFTS_MM if found.crossings[f"sax-{k:02d}"]]
+    rms_mm = np.sqrt(np.mean([np.square(SHIFTS_MM[k]).mean() for k in crossed]))
+    assert found.evidence.outline_noise * found.unit_mm < 0.1
+    assert still.outline_noise * found.unit_mm == pytest.approx(rms_mm, rel=0.1)
 
 
 def test_what_one_long_axis_slice_leaves_unseen_makes_its_shifts_no_smaller() -> None:

@@ -15,7 +15,10 @@ from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.quality import triangle_quality
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_watertight
+from worker.phantom.analytic_heart import heart
 from worker.phantom.ellipsoid import Ellipsoid
+from worker.phantom.slicing import slice_meshes
+from worker.phantom.slicing_plan import SlicingPlan
 from worker.reconstruction.observer import Cancelled
 from worker.reconstruction.pipeline import reconstruct
 
@@ -93,6 +96,23 @@ def test_breath_hold_shifts_are_found(concentric_spheres) -> None:
     unaligned = Options(align_slices=False)
     (stubborn,) = reconstruct(study, unaligned).frames
     assert not any(np.any(s.shift_mm) for s in stubborn.slices)
+    assert frame.outline_noise_mm < 0.1
+    assert stubborn.outline_noise_mm == pytest.approx(2.5, rel=0.3)
+
+
+@pytest.mark.slow
+def test_the_hands_of_many_slices_are_averaged() -> None:
+    """What crossing outlines disagree by is measured, and not followed as if it were the heart."""
+    truth = {s: m for s, m in heart(0.0).meshes(2.0).items() if s in (ENDO, EPI)}
+    study = slice_meshes(truth, SlicingPlan(noise_sd_mm=1.0, seed=5)).study
+
+    def error_mm(**loss: float) -> float:
+        (frame,) = reconstruct(study, Options.model_validate({"loss": loss})).frames
+        assert frame.outline_noise_mm == pytest.approx(2.0**0.5, rel=0.25)
+        means = [surface_to_surface(frame.surfaces[s], truth[s]).mean_mm for s in truth]
+        return float(np.mean(means))
+
+    assert error_mm() < 0.9 * error_mm(outline_noise_mm=0.0)
 
 
 def sax_fits(frame) -> list:
