@@ -209,7 +209,7 @@ PRESETS: dict[str, dict[str, Any]] = {
     Preset.FAST: {
         "levels": 4,
         "iterations_per_level": 90,
-        "optimizer": {"samples_per_step": 1536},
+        "optimizer": {"samples_per_step": 1024},
         "mesh": {"grid_mm": 2.0},
     },
     Preset.STANDARD: {},
