@@ -23,8 +23,8 @@ from benchmarks.results import Pair, Speed
 from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.study import ContourStudy
+from worker.observer import Cancelled
 from worker.phantom import standard_study
-from worker.reconstruction.observer import Cancelled
 from worker.reconstruction.pipeline import reconstruct
 from worker.threads import bind_libraries, use_threads
 

@@ -28,7 +28,7 @@ from schemas.problem import InputError, InternalError, Problem
 from worker.failure import problem_of, timed_out, worker_lost
 from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
-from worker.reconstruction.observer import Cancelled, Observer
+from worker.observer import Cancelled, Observer
 from worker.settings import WorkerSettings
 
 _LOGGER = logging.getLogger(__name__)

@@ -6,8 +6,8 @@ from intake.limits import Limits
 from jobs.folder import JobFolder
 from schemas.artifacts import Manifest
 from schemas.job import Progress, Stage
+from worker.observer import Observer
 from worker.reading import read_job
-from worker.reconstruction.observer import Observer
 from worker.subject import run
 
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable
 
 from schemas.job import Progress, Stage
-from worker.reconstruction.observer import Observer
+from worker.observer import Observer
 
 
 class StageClock:

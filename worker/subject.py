@@ -20,8 +20,8 @@ from worker.artifacts.html import render_html
 from worker.artifacts.manifest import describe
 from worker.artifacts.meshes import write_mesh
 from worker.artifacts.report import build_report, mesh_name
+from worker.observer import Cancelled, Observer, Unobserved
 from worker.provenance import provenance, software
-from worker.reconstruction.observer import Cancelled, Observer, Unobserved
 from worker.reconstruction.result import Reconstruction
 from worker.stage_clock import StageClock
 from worker.threads import use_threads

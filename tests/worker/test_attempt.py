@@ -26,7 +26,7 @@ from schemas.vocabulary import Axes
 from tests.redis_server import RedisServer
 from worker.artifacts.manifest import describe
 from worker.attempt import Desk, Produce, attempt
-from worker.reconstruction.observer import Cancelled, Observer
+from worker.observer import Cancelled, Observer
 from worker.settings import WorkerSettings
 
 MakeDesk = Callable[..., Desk]

@@ -1,7 +1,7 @@
 import time
 
 from schemas.job import Progress, Stage
-from worker.reconstruction.observer import Unobserved
+from worker.observer import Unobserved
 from worker.stage_clock import StageClock
 
 

@@ -12,8 +12,8 @@ from schemas.problem import InputError
 from schemas.report import Report
 from schemas.study import ContourStudy
 from schemas.vocabulary import MeshFormat, View
+from worker.observer import Cancelled
 from worker.phantom.standard_study import standard_study
-from worker.reconstruction.observer import Cancelled
 from worker.subject import Finished, run
 
 QUICK = Options.model_validate(

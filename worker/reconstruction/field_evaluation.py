@@ -6,8 +6,8 @@ import numpy as np
 import torch
 
 from worker.arrays import Points
+from worker.observer import Cancelled, Observer
 from worker.reconstruction.network import TissueField
-from worker.reconstruction.observer import Cancelled, Observer
 from worker.reconstruction.surface_logits import SurfaceLogits
 
 _CHUNK = 16384

@@ -14,11 +14,11 @@ from torch import Tensor
 
 from schemas.job import Progress, Stage
 from schemas.options import Options
+from worker.observer import Cancelled, Observer
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.descent import Descent
 from worker.reconstruction.losses import bce, hinge
 from worker.reconstruction.network import TissueField
-from worker.reconstruction.observer import Cancelled, Observer
 from worker.reconstruction.samples import BOUNDARY, LabelledSamples, joined
 from worker.reconstruction.surface_logits import SurfaceLogits
 from worker.reconstruction.tissues import Partition

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from schemas.job import Progress
-from worker.reconstruction.observer import Observer
+from worker.observer import Observer
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from schemas.problem import InternalError, ProblemType
 from schemas.study import ContourStudy, Frame
 from schemas.vocabulary import Structure
 from worker.arrays import Points, SomeFaces, SomePoints
+from worker.observer import Cancelled, Observer, Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.base_plane import cut_open, find_base
 from worker.reconstruction.component import outward, touched_component
@@ -27,9 +28,7 @@ from worker.reconstruction.hull import Hull, inflated_hull
 from worker.reconstruction.isosurface import Triangles, isosurfaces
 from worker.reconstruction.motion import SliceMotion, moved_back
 from worker.reconstruction.normalisation import UnitFrame, normalise
-from worker.reconstruction.observer import Cancelled, Observer, Unobserved
 from worker.reconstruction.projection import project
-from worker.reconstruction.remeshing import remesh
 from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reconstruction, SliceFit
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
@@ -42,6 +41,7 @@ from worker.reconstruction.tempering import tempered
 from worker.reconstruction.tissues import Partition, partition
 from worker.reconstruction.unit_stack import UnitStack
 from worker.reconstruction.workload import check_workload
+from worker.remeshing.remeshing import remesh
 from worker.surface_mesh import SurfaceMesh
 
 _FIT_SHARE = 0.9

@@ -13,8 +13,8 @@ from intake.even_odd import inside
 from schemas.options import SamplingOptions
 from schemas.vocabulary import Structure
 from worker.arrays import PlanePoints, Scalars
+from worker.observer import Cancelled, Observer
 from worker.reconstruction.hull import Hull
-from worker.reconstruction.observer import Cancelled, Observer
 from worker.reconstruction.samples import BOUNDARY, NO_SLICE, LabelledSamples, joined
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 

@@ -6,9 +6,9 @@ import torch
 
 from schemas.options import NetworkOptions
 from schemas.vocabulary import Structure
+from worker.observer import Cancelled, Unobserved
 from worker.reconstruction.field_evaluation import FieldEvaluation
 from worker.reconstruction.network import TissueField
-from worker.reconstruction.observer import Cancelled, Unobserved
 from worker.reconstruction.surface_logits import SurfaceLogits
 from worker.reconstruction.tissues import partition
 

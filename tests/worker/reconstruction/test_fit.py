@@ -6,11 +6,11 @@ import torch
 
 from schemas.options import Options
 from schemas.vocabulary import Structure
+from worker.observer import Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.fit import FieldFit, fit_field
 from worker.reconstruction.hull import inflated_hull
 from worker.reconstruction.normalisation import normalise
-from worker.reconstruction.observer import Unobserved
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
 from worker.reconstruction.shift_evidence import no_evidence

@@ -15,11 +15,11 @@ from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.quality import triangle_quality
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_watertight
+from worker.observer import Cancelled
 from worker.phantom.analytic_heart import heart
 from worker.phantom.ellipsoid import Ellipsoid
 from worker.phantom.slicing import slice_meshes
 from worker.phantom.slicing_plan import SlicingPlan
-from worker.reconstruction.observer import Cancelled
 from worker.reconstruction.pipeline import reconstruct
 
 ENDO, EPI = Structure.LV_ENDO, Structure.LV_EPI

@@ -6,9 +6,9 @@ import pytest
 from schemas.options import SamplingOptions
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
+from worker.observer import Unobserved
 from worker.reconstruction.hull import inflated_hull
 from worker.reconstruction.normalisation import normalise
-from worker.reconstruction.observer import Unobserved
 from worker.reconstruction.samples import NO_SLICE
 from worker.reconstruction.sampling import level_radius, sample_level
 from worker.reconstruction.stacking import build_stack

@@ -10,10 +10,10 @@ from schemas.problem import InternalError
 from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.quality import triangle_quality
 from worker.evaluation.topology import euler_number, is_outward, is_watertight
+from worker.observer import Cancelled, Unobserved
 from worker.reconstruction.isosurface import isosurfaces
-from worker.reconstruction.observer import Cancelled, Unobserved
 from worker.reconstruction.projection import project
-from worker.reconstruction.remeshing import remesh
+from worker.remeshing.remeshing import remesh
 from worker.surface_mesh import SurfaceMesh
 
 Shape = Callable[[np.ndarray], np.ndarray]

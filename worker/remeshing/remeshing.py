@@ -7,13 +7,13 @@ import numpy as np
 
 from schemas.problem import InternalError, ProblemType
 from worker.arrays import SomeFaces, SomePoints
-from worker.reconstruction.decimation import decimate
-from worker.reconstruction.edge_collapses import collapse_edges
-from worker.reconstruction.edge_flips import flip_edges, narrowest_cosine
-from worker.reconstruction.edge_splits import split_edges
-from worker.reconstruction.edges import edges_of
-from worker.reconstruction.observer import Cancelled, Observer
-from worker.reconstruction.relaxation import relax
+from worker.observer import Cancelled, Observer
+from worker.remeshing.decimation import decimate
+from worker.remeshing.edge_collapses import collapse_edges
+from worker.remeshing.edge_flips import flip_edges, narrowest_cosine
+from worker.remeshing.edge_splits import split_edges
+from worker.remeshing.edges import edges_of
+from worker.remeshing.relaxation import relax
 
 _SAG = 0.05
 """Distance of an edge's middle from the surface, in target edges, beyond which it is divided."""

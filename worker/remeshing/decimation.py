@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from worker.arrays import SomeFaces, SomePoints
-from worker.reconstruction.observer import Cancelled, Observer
+from worker.observer import Cancelled, Observer
 
 _NORMAL_WEIGHT = 0.7
 """Length of a normal beside a position, in target edges, when edges are measured for decimation:

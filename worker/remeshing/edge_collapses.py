@@ -3,7 +3,7 @@
 import numpy as np
 
 from worker.arrays import SomeFaces, SomePoints
-from worker.reconstruction.edges import Edges, edges_of, pair_keys
+from worker.remeshing.edges import Edges, edges_of, pair_keys
 
 _LEAST_TURN = 0.3
 """Cosine by which a triangle may turn when a vertex of it moves."""

@@ -3,7 +3,7 @@
 import numpy as np
 
 from worker.arrays import Points, SomeFaces, SomePoints
-from worker.reconstruction.edges import Edges, edges_of, pair_keys
+from worker.remeshing.edges import Edges, edges_of, pair_keys
 
 _WORTHWHILE = 1e-3
 """Gain in the cosine of the smallest angle that a flip is done for."""

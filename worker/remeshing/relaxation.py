@@ -3,8 +3,8 @@
 import numpy as np
 
 from worker.arrays import Faces, Points
-from worker.reconstruction.edge_flips import narrowest_cosine
-from worker.reconstruction.edges import edges_of
+from worker.remeshing.edge_flips import narrowest_cosine
+from worker.remeshing.edges import edges_of
 
 _STEP = 0.8
 """Part of the way to the middle of the surrounding triangles."""

@@ -7,13 +7,13 @@ import trimesh
 from worker.evaluation.quality import triangle_quality
 from worker.evaluation.size import area_cm2
 from worker.evaluation.topology import euler_number, is_outward
-from worker.reconstruction.decimation import decimate
-from worker.reconstruction.edge_collapses import collapse_edges
-from worker.reconstruction.edge_flips import flip_edges
-from worker.reconstruction.edge_splits import split_edges
-from worker.reconstruction.edges import edges_of
-from worker.reconstruction.observer import Unobserved
-from worker.reconstruction.relaxation import relax
+from worker.observer import Unobserved
+from worker.remeshing.decimation import decimate
+from worker.remeshing.edge_collapses import collapse_edges
+from worker.remeshing.edge_flips import flip_edges
+from worker.remeshing.edge_splits import split_edges
+from worker.remeshing.edges import edges_of
+from worker.remeshing.relaxation import relax
 from worker.surface_mesh import SurfaceMesh
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from worker.arrays import SomeFaces, SomePoints
-from worker.reconstruction.edges import Edges
+from worker.remeshing.edges import Edges
 
 
 def split_edges(

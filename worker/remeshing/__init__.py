@@ -1,0 +1,1 @@
+"""Even triangles on a given surface, fit for finite elements: mesh in, mesh out."""
