@@ -12,6 +12,7 @@ from cli.mesh_file import read_surface
 
 if TYPE_CHECKING:
     from worker.evaluation.comparison import Comparison
+    from worker.evaluation.curvature_comparison import CurvatureComparison
 
 
 def evaluate(
@@ -21,21 +22,34 @@ def evaluate(
         int, typer.Option(help="Points measured on either surface.", min=100, max=1_000_000)
     ] = 20_000,
     seed: Annotated[int, typer.Option(help="Seed of the sampling.", min=0)] = 0,
+    curvature_edge_mm: Annotated[
+        float | None,
+        typer.Option(
+            help="Compare how both surfaces bend, too, remeshed to this edge length in mm.",
+            min=0.5,
+            max=10.0,
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
     """Measure the distance between two surfaces, their volumes and their triangles.
 
     Distances are exact, from points spread evenly over one surface to the triangles of the other,
-    both ways. The method's point-set forms are given beside them.
+    both ways. The method's point-set forms are given beside them, and on request curvature.
     """
     from worker.evaluation.comparison import compared
 
-    comparison = compared(read_surface(mesh), read_surface(reference), samples, seed)
+    own, other = read_surface(mesh), read_surface(reference)
+    comparison = compared(own, other, samples, seed, curvature_edge_mm)
     if as_json:
         say_json({key: _finite(part) for key, part in asdict(comparison).items()})
         return
     for table in (_distances(comparison), _point_sets(comparison), _surfaces(comparison)):
         result_console.print(table)
+    if comparison.curvature is not None:
+        result_console.print(_curvature(comparison.curvature))
+    elif curvature_edge_mm is not None:
+        result_console.print("Curvature is not compared: both surfaces must be closed.")
 
 
 def _distances(comparison: "Comparison") -> Table:
@@ -54,25 +68,24 @@ def _distances(comparison: "Comparison") -> Table:
 def _point_sets(comparison: "Comparison") -> Table:
     points = comparison.point_set_distance
     table = Table(
-        "Chamfer mm2",
-        "RMS Chamfer mm",
-        "Hausdorff mm",
-        "HD50 mm",
-        "HD90 mm",
-        "HD95 mm",
+        "",
+        "",
         title=f"Between {comparison.samples} points on each",
         caption="not zero even for one surface: the points differ",
+        show_header=False,
     )
-    table.add_row(
-        *_numbers(
-            points.chamfer_mm2,
-            points.rms_chamfer_mm,
-            points.hausdorff_mm,
-            points.hausdorff50_mm,
-            points.hausdorff90_mm,
-            points.hausdorff95_mm,
-        )
-    )
+    for name, value in (
+        ("Chamfer mm2", points.chamfer_mm2),
+        ("RMS Chamfer mm", points.rms_chamfer_mm),
+        ("Hausdorff mm", points.hausdorff_mm),
+        ("HD50 mm", points.hausdorff50_mm),
+        ("HD90 mm", points.hausdorff90_mm),
+        ("HD95 mm", points.hausdorff95_mm),
+        ("RMSE mm", points.rmse_mm),
+        ("MAE mm", points.mae_mm),
+        ("optimal threshold mm", points.optimal_threshold_mm),
+    ):
+        table.add_row(name, *_numbers(value))
     return table
 
 
@@ -89,6 +102,27 @@ def _surfaces(comparison: "Comparison") -> Table:
     table.add_row("faces under 20 deg %", *(f"{s.quality.below_20_deg_percent:.1f}" for s in pair))
     if comparison.volume_difference_percent is not None:
         table.add_row("volume difference %", f"{comparison.volume_difference_percent:+.3f}", "")
+    return table
+
+
+def _curvature(found: "CurvatureComparison") -> Table:
+    table = Table(
+        "reference minus mesh",
+        "Gaussian, 1/mm2",
+        "mean, 1/mm",
+        title=f"Curvature, both with edges of {found.edge_mm:g} mm",
+    )
+    both = found.gaussian_per_mm2, found.mean_per_mm
+    for name, values in (
+        ("mean of amounts", [part.mean_abs for part in both]),
+        ("RMS", [part.rms for part in both]),
+        ("75th percentile", [part.p75_abs for part in both]),
+        ("90th percentile", [part.p90_abs for part in both]),
+        ("reference's own RMS", [part.reference_rms for part in both]),
+    ):
+        table.add_row(name, *(f"{value:.5f}" for value in values))
+    areas = (f"{part.above_p75_area_percent:.1f}" for part in both)
+    table.add_row("area above the 75th, %", *areas)
     return table
 
 

@@ -149,7 +149,7 @@ def _function(hearts: Mapping[str, "Heart"]) -> dict[str, float]:
         hearts[label].layout.lv_inner.volume_below_ml(hearts[label].layout.base_mm)
         for label in ("ED", "ES")
     )
-    return lv_function(edv, esv).model_dump()
+    return lv_function(edv, esv).model_dump(exclude_none=True)
 
 
 def _sentence(out: Path, truth: Mapping[str, Any]) -> str:

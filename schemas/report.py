@@ -1,5 +1,7 @@
 """`report.json`: what was reconstructed and how far to trust it. Lengths in mm, patient axes."""
 
+from typing import Literal
+
 from pydantic import Field
 
 from schemas.base import WireModel
@@ -12,9 +14,33 @@ class DistanceSummary(WireModel):
 
     mean: float
     rms: float
+    p50: float
+    p90: float
     p95: float
     max: float
     count: int
+
+
+class Histogram(WireModel):
+    """How many distances lie in each bin of equal width, from 0 on."""
+
+    bin_width_mm: float
+    counts: list[int]
+    beyond: int = Field(description="How many lie beyond the last bin.")
+
+
+class ViewResiduals(WireModel):
+    """Distances from the contours of one kind of view to the surface."""
+
+    summary_mm: DistanceSummary
+    histogram: Histogram
+
+
+class SimulationReport(WireModel):
+    """Whether a surface can go into a simulation as it is."""
+
+    fit: bool
+    reasons: list[str] = Field(description="Why not, each with its remedy; empty when fit.")
 
 
 class QualityReport(WireModel):
@@ -64,7 +90,25 @@ class SurfaceReport(WireModel):
     vertices: int
     faces: int
     euler_number: int
+    components: int = Field(description="Pieces that share no vertex; 1 for one surface.")
+    manifold: bool = Field(
+        description="No edge has more than two triangles, and those about a vertex form one fan."
+    )
+    self_intersecting_triangles: int = Field(
+        description="Triangles of it that pass through another of its own."
+    )
+    crossing_triangles: dict[Structure, int] = Field(
+        description="Triangles of it that pass through each other surface of the frame."
+    )
+    simulation: SimulationReport
     contour_residual_mm: DistanceSummary
+    contour_residual_by_view: dict[Literal["short_axis", "long_axis", "other"], ViewResiduals] = (
+        Field(description="The same by kind of view; a kind without a contour of it is left out.")
+    )
+    contour_residual_by_region_mm: dict[Literal["apex", "mid", "base"], DistanceSummary] = Field(
+        description="The same in the apical, middle and basal third of the surface's extent along "
+        "the short-axis normal; a third without a contour point is left out."
+    )
     quality: QualityReport
     quality_before_remeshing: QualityReport | None = Field(
         description="null when `target_edge_mm` is not given"
@@ -113,6 +157,11 @@ class SliceReport(WireModel):
         "contours, right-handed about the slice's normal; 0 unless alignment.rotate was asked for."
     )
     contour_residual_mm: dict[Structure, DistanceSummary]
+    dice: dict[Structure, float | None] = Field(
+        description="Overlap on the slice's plane of what its contours enclose and what the "
+        "surface does there, 1 at best; beyond the chord of an open contour it is not asked. null "
+        "where the surface is open."
+    )
 
 
 class LevelReport(WireModel):
@@ -126,6 +175,39 @@ class LevelReport(WireModel):
     total: float
 
 
+class SegmentReport(WireModel):
+    """Thickness of one segment of the left ventricle's wall, mm."""
+
+    name: str
+    mean_mm: float
+    min_mm: float
+    max_mm: float
+
+
+class LeftVentricleReport(WireModel):
+    """Shape and wall of the left ventricle. What could not be measured is null, and
+    `not_measured` says why.
+    """
+
+    long_axis_length_mm: float | None = Field(
+        description="Extent of the cavity along the short-axis normal, mm."
+    )
+    sphericity: float | None = Field(
+        description="Volume of the cavity over that of a sphere as wide as it is long; 1 for a "
+        "sphere."
+    )
+    mid_area_cm2: float | None = Field(
+        description="Area of the cavity across its long axis, half-way from apex to base, cm2."
+    )
+    wall_mass_g: float | None = Field(description="Volume of the wall times 1.05 g/mL, grams.")
+    wall_thickness_mm: dict[int, SegmentReport] | None = Field(
+        description="By number of the American Heart Association's 17 segments, mm: the exact "
+        "distance from the inner surface to the outer one, in the apex (17) from the outer to the "
+        "inner; up to the most basal short-axis slice that shows both in one contour each."
+    )
+    not_measured: dict[str, str] = Field(description="By name of what is null, the reason.")
+
+
 class FrameReport(WireModel):
     """One instant of the cycle."""
 
@@ -137,17 +219,29 @@ class FrameReport(WireModel):
         "no surface can follow. null where none cross."
     )
     surfaces: dict[Structure, SurfaceReport]
+    left_ventricle: LeftVentricleReport
     slices: list[SliceReport]
     levels: list[LevelReport]
 
 
 class FunctionReport(WireModel):
-    """Left-ventricular pump function, when frames ED and ES are both there."""
+    """Pump function, when frames ED and ES both have a closed left-ventricular endocardium."""
 
     lv_edv_ml: float
     lv_esv_ml: float
     lv_stroke_volume_ml: float
     lv_ejection_fraction_percent: float
+    lv_fractional_area_change_percent: float | None = Field(
+        default=None,
+        description="How much smaller the cavity's area half-way from apex to base is at ES; null "
+        "where it could not be measured in both frames.",
+    )
+    rv_edv_ml: float | None = Field(
+        default=None, description="null, as all of the right, unless both frames have it closed."
+    )
+    rv_esv_ml: float | None = None
+    rv_stroke_volume_ml: float | None = None
+    rv_ejection_fraction_percent: float | None = None
 
 
 class Provenance(WireModel):
@@ -164,7 +258,7 @@ class Provenance(WireModel):
 class Report(WireModel):
     """Everything measured about one subject."""
 
-    schema_version: str = "1.0"
+    schema_version: str = "2.0"
     subject_id: str
     units: str = "mm"
     axes: Axes

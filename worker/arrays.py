@@ -18,6 +18,9 @@ PlanePoint = Float[np.ndarray, "2"]
 Scalars = Float[np.ndarray, " n"]
 """One number a point."""
 
+SomeScalars = Float[np.ndarray, "_"]
+"""One number a point, where a function speaks of several sets, of different counts."""
+
 Flags = Bool[np.ndarray, " n"]
 """One truth value a point."""
 

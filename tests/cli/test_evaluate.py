@@ -70,3 +70,19 @@ def test_json_has_no_infinity_even_for_triangles_without_area(spheres, tmp_path)
 def test_a_missing_file_is_bad_input(spheres, tmp_path):
     with pytest.raises(InputError, match=r"no file.*check the path"):
         run(spheres[0], tmp_path / "nowhere.stl")
+
+
+def test_curvature_is_compared_where_it_is_asked_for(spheres):
+    assert json.loads(run(*spheres, "--json"))["curvature"] is None
+    found = json.loads(run(*spheres, "--curvature-edge-mm", 3, "--json"))["curvature"]
+    assert found["edge_mm"] == 3.0
+    assert found["mean_per_mm"]["mean_abs"] == pytest.approx(1 / 20.0 - 1 / 22.0, rel=0.15)
+    assert "Gaussian, 1/mm2" in run(*spheres, "--curvature-edge-mm", 3)
+
+
+def test_an_open_surface_is_not_compared_in_curvature_and_says_so(spheres, tmp_path):
+    solid = trimesh.creation.icosphere(subdivisions=3, radius=20.0)
+    solid.update_faces(np.arange(len(solid.faces)) > 0)
+    solid.export(tmp_path / "open.obj")
+    said = run(tmp_path / "open.obj", spheres[1], "--curvature-edge-mm", 3)
+    assert "both surfaces must be closed" in said

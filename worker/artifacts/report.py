@@ -5,9 +5,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from schemas.options import Options
+from schemas.options import Base, Options
 from schemas.report import (
-    DistanceSummary,
     FrameReport,
     FunctionReport,
     LevelReport,
@@ -15,20 +14,23 @@ from schemas.report import (
     Report,
     SliceReport,
 )
-from schemas.vocabulary import MeshFormat, Structure
-from worker.arrays import Scalars
+from schemas.vocabulary import Structure
 from worker.artifacts.evidence import aligned_outlines
+from worker.artifacts.left_ventricle import left_ventricle_report
 from worker.artifacts.outline_warnings import outline_warnings
 from worker.artifacts.support_warnings import support_warnings
+from worker.artifacts.surface_crossings import crossing_triangles
 from worker.artifacts.surface_report import surface_report
 from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.extrapolation import apex_to_base
-from worker.evaluation.function import lv_function
+from worker.evaluation.function import lv_function, shrinkage_percent
+from worker.evaluation.plane_overlap import PlaneOutline, plane_dice
 from worker.evaluation.summary import summarised
-from worker.reconstruction.result import FrameFit, Reconstruction, SliceFit
+from worker.evaluation.topology import is_watertight
+from worker.reconstruction.result import ContourPoints, FrameFit, Reconstruction, SliceFit
 from worker.surface_mesh import SurfaceMesh
 
-_Residuals = Mapping[Structure, Scalars]
+_Surfaces = Mapping[Structure, SurfaceMesh]
 
 
 def build_report(
@@ -50,7 +52,7 @@ def build_report(
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
     """
-    frames = [_frame(fit, options.formats) for fit in reconstruction.frames]
+    frames = [_frame(fit, options) for fit in reconstruction.frames]
     return Report(
         subject_id=reconstruction.subject_id,
         axes=reconstruction.axes,
@@ -72,10 +74,11 @@ def mesh_name(frame_label: str, structure: Structure) -> str:
     return f"{frame_label}_{structure}"
 
 
-def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
-    residuals = [_residuals(one, fit.surfaces) for one in fit.slices]
+def _frame(fit: FrameFit, options: Options) -> FrameReport:
     outlines = aligned_outlines(fit)
     toward_base = apex_to_base(outlines)
+    crossing = crossing_triangles(fit.surfaces)
+    closed = {s: mesh for s, mesh in fit.surfaces.items() if is_watertight(mesh)}
     return FrameReport(
         label=fit.label,
         time_ms=fit.time_ms,
@@ -84,14 +87,19 @@ def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
             structure: surface_report(
                 mesh,
                 fit.unremeshed.get(structure),
-                _joined([r[structure] for r in residuals if structure in r]),
                 outlines.get(structure, ()),
                 toward_base,
-                [f"{mesh_name(fit.label, structure)}.{form}" for form in dict.fromkeys(formats)],
+                crossing[structure],
+                [
+                    f"{mesh_name(fit.label, structure)}.{form}"
+                    for form in dict.fromkeys(options.formats)
+                ],
+                open_base=options.base is Base.OPEN,
             )
             for structure, mesh in fit.surfaces.items()
         },
-        slices=[_slice(one, r) for one, r in zip(fit.slices, residuals, strict=True)],
+        left_ventricle=left_ventricle_report(fit.surfaces, closed, outlines, toward_base),
+        slices=[_slice(one, fit.surfaces, closed) for one in fit.slices],
         levels=[
             LevelReport(
                 level=level.level,
@@ -106,10 +114,10 @@ def _frame(fit: FrameFit, formats: Sequence[MeshFormat]) -> FrameReport:
     )
 
 
-def _slice(fit: SliceFit, residuals: _Residuals) -> SliceReport:
+def _slice(fit: SliceFit, surfaces: _Surfaces, closed: _Surfaces) -> SliceReport:
     x, y, z = fit.shift_mm.tolist()
-    summaries: dict[Structure, DistanceSummary] = {
-        structure: summarised(distances_mm) for structure, distances_mm in residuals.items()
+    observed = {
+        s: outlines for s, outlines in fit.contours_mm.items() if s in surfaces and outlines
     }
     return SliceReport(
         id=fit.id,
@@ -118,35 +126,60 @@ def _slice(fit: SliceFit, residuals: _Residuals) -> SliceReport:
         shift_deviation_mm=fit.shift_deviation_mm,
         crossings=fit.crossings,
         rotation_deg=math.degrees(fit.turn_rad),
-        contour_residual_mm=summaries,
+        contour_residual_mm={
+            structure: summarised(
+                np.concatenate(
+                    [
+                        points_to_surface_mm(fit.aligned_mm(one.points_mm), surfaces[structure])
+                        for one in outlines
+                    ]
+                )
+            )
+            for structure, outlines in observed.items()
+        },
+        dice={
+            structure: _dice(fit, outlines, closed.get(structure))
+            for structure, outlines in observed.items()
+        },
     )
 
 
-def _residuals(fit: SliceFit, surfaces: Mapping[Structure, SurfaceMesh]) -> _Residuals:
-    """Distances of one slice's outlines to the surfaces that were made of them, mm."""
-    return {
-        structure: np.concatenate(
-            [
-                points_to_surface_mm(fit.aligned_mm(outline.points_mm), surfaces[structure])
-                for outline in outlines
-            ]
-        )
-        for structure, outlines in fit.contours_mm.items()
-        if structure in surfaces and outlines
-    }
-
-
-def _joined(parts: Sequence[np.ndarray]) -> np.ndarray:
-    """One (n,) array of many, each of its own length."""
-    return np.concatenate(parts) if parts else np.empty(0)
+def _dice(
+    fit: SliceFit, outlines: Sequence[ContourPoints], mesh: SurfaceMesh | None
+) -> float | None:
+    if mesh is None:
+        return None
+    aligned = [PlaneOutline(fit.aligned_mm(one.points_mm), one.closed) for one in outlines]
+    return plane_dice(mesh, aligned, aligned[0].points_mm[0], fit.normal)
 
 
 def _function(frames: Sequence[FrameReport]) -> FunctionReport | None:
-    """Pump function, where end-diastole and end-systole both have a closed endocardium."""
-    volumes_ml = {
-        frame.label.upper(): frame.surfaces[Structure.LV_ENDO].volume_ml
-        for frame in frames
-        if Structure.LV_ENDO in frame.surfaces
-    }
-    edv_ml, esv_ml = volumes_ml.get("ED"), volumes_ml.get("ES")
-    return lv_function(edv_ml, esv_ml) if edv_ml and esv_ml else None
+    """Pump function, where end-diastole and end-systole both have a closed left endocardium."""
+    by_label = {frame.label.upper(): frame for frame in frames}
+    if not {"ED", "ES"} <= by_label.keys():
+        return None
+    ed, es = by_label["ED"], by_label["ES"]
+    left = _volumes_ml(ed, es, Structure.LV_ENDO)
+    if left is None:
+        return None
+    found = lv_function(*left).model_dump()
+    areas = ed.left_ventricle.mid_area_cm2, es.left_ventricle.mid_area_cm2
+    if areas[0] and areas[1] is not None:
+        found["lv_fractional_area_change_percent"] = shrinkage_percent(areas[0], areas[1])
+    right = _volumes_ml(ed, es, Structure.RV_ENDO)
+    if right is not None:
+        found |= {
+            "rv_edv_ml": right[0],
+            "rv_esv_ml": right[1],
+            "rv_stroke_volume_ml": right[0] - right[1],
+            "rv_ejection_fraction_percent": shrinkage_percent(*right),
+        }
+    return FunctionReport.model_validate(found)
+
+
+def _volumes_ml(
+    ed: FrameReport, es: FrameReport, structure: Structure
+) -> tuple[float, float] | None:
+    """At end-diastole and end-systole, where both frames have the surface closed."""
+    both = [f.surfaces[structure].volume_ml for f in (ed, es) if structure in f.surfaces]
+    return (both[0], both[1]) if len(both) == 2 and both[0] and both[1] else None

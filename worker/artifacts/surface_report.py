@@ -1,28 +1,45 @@
 """One surface of one frame, measured."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
+from typing import Literal
+
+import numpy as np
 
 from schemas.report import (
     DistanceSummary,
     EndReport,
     QualityReport,
     SurfaceReport,
+    ViewResiduals,
 )
+from schemas.vocabulary import Structure, View
 from worker.arrays import Scalars, Vector
+from worker.artifacts.simulation_gate import SurfaceFaults, simulation_report
 from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.extrapolation import SurfaceEnd, slice_gap_mm, surface_ends
 from worker.evaluation.quality import triangle_quality
+from worker.evaluation.residuals import Residuals, by_thirds, contour_residuals
 from worker.evaluation.size import area_cm2, volume_ml
-from worker.evaluation.summary import summarised
+from worker.evaluation.summary import histogram, summarised
 from worker.evaluation.support import (
     AlignedOutline,
     area_beyond_percent,
     distance_to_outlines_mm,
 )
-from worker.evaluation.topology import euler_number, is_watertight
+from worker.evaluation.topology import (
+    boundary_loop_count,
+    component_count,
+    euler_number,
+    is_manifold,
+    is_watertight,
+)
+from worker.evaluation.triangle_crossings import self_intersections
 from worker.surface_mesh import SurfaceMesh
+
+_View = Literal["short_axis", "long_axis", "other"]
+_Region = Literal["apex", "mid", "base"]
 
 _SAMPLES = 10_000
 """Points measured on either surface for the distance that remeshing made."""
@@ -31,25 +48,41 @@ _SAMPLES = 10_000
 def surface_report(
     mesh: SurfaceMesh,
     unremeshed: SurfaceMesh | None,
-    residuals_mm: Scalars,
     outlines: Sequence[AlignedOutline],
     toward_base: Vector | None,
+    crossing: Mapping[Structure, int],
     files: Sequence[str],
+    *,
+    open_base: bool,
 ) -> SurfaceReport:
     """Size, topology, triangles, residuals and support of a surface.
 
     Args:
         mesh: The surface, in mm.
         unremeshed: What it was before remeshing, if it was remeshed.
-        residuals_mm: (n,) distances of contour points to it.
         outlines: Where it was observed, aligned.
         toward_base: (3,) the short-axis normal from apex to base, None when there is none.
+        crossing: How many of its triangles pass through each other surface.
         files: Names of its files.
+        open_base: Whether it is meant to have a rim at the valves.
 
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
     """
     watertight = is_watertight(mesh)
+    residuals = contour_residuals(mesh, outlines)
+    quality = _quality(mesh)
+    faults = SurfaceFaults(
+        open_base=open_base,
+        rims=boundary_loop_count(mesh),
+        manifold=is_manifold(mesh),
+        components=component_count(mesh),
+        euler_number=euler_number(mesh),
+        self_intersecting=len(np.unique(self_intersections(mesh))),
+        crossing=crossing,
+        sliver_percent=quality.below_20_deg_percent,
+        remeshed=unremeshed is not None,
+    )
     support_mm = distance_to_outlines_mm(mesh.vertices_mm, outlines)
     gap_mm, ends = None, None
     if toward_base is not None:
@@ -61,9 +94,16 @@ def surface_report(
         watertight=watertight,
         vertices=len(mesh.vertices_mm),
         faces=len(mesh.faces),
-        euler_number=euler_number(mesh),
-        contour_residual_mm=summarised(residuals_mm),
-        quality=_quality(mesh),
+        euler_number=faults.euler_number,
+        components=faults.components,
+        manifold=faults.manifold,
+        self_intersecting_triangles=faults.self_intersecting,
+        crossing_triangles=dict(crossing),
+        simulation=simulation_report(faults),
+        contour_residual_mm=summarised(_distances(residuals)),
+        contour_residual_by_view=_by_view(residuals),
+        contour_residual_by_region_mm=_by_region(residuals, mesh, toward_base),
+        quality=quality,
         quality_before_remeshing=_quality(unremeshed) if unremeshed else None,
         remeshing_distance_mm=_distance(mesh, unremeshed) if unremeshed else None,
         support_mm=summarised(support_mm),
@@ -77,6 +117,40 @@ def surface_report(
     )
 
 
+_VIEWS: Mapping[_View, Callable[[View], bool]] = {
+    "short_axis": lambda view: view is View.SAX,
+    "long_axis": lambda view: view.is_long_axis,
+    "other": lambda view: view is View.OTHER,
+}
+
+
+def _by_view(residuals: Sequence[Residuals]) -> dict[_View, ViewResiduals]:
+    parts = {
+        name: _distances([one for one in residuals if is_such(one.outline.view)])
+        for name, is_such in _VIEWS.items()
+    }
+    return {
+        name: ViewResiduals(summary_mm=summarised(part), histogram=histogram(part))
+        for name, part in parts.items()
+        if len(part)
+    }
+
+
+def _by_region(
+    residuals: Sequence[Residuals], mesh: SurfaceMesh, toward_base: Vector | None
+) -> dict[_Region, DistanceSummary]:
+    if toward_base is None:
+        return {}
+    apex, mid, base = by_thirds(residuals, mesh, toward_base)
+    parts: dict[_Region, Scalars] = {"apex": apex, "mid": mid, "base": base}
+    return {name: summarised(part) for name, part in parts.items() if len(part)}
+
+
+def _distances(residuals: Sequence[Residuals]) -> Scalars:
+    """All of them in one (n,) array, mm."""
+    return np.concatenate([*(one.distances_mm for one in residuals), np.empty(0)])
+
+
 def _quality(mesh: SurfaceMesh) -> QualityReport:
     """JSON knows no infinity, which is the aspect ratio of a triangle without area."""
     found = asdict(triangle_quality(mesh))
@@ -88,6 +162,8 @@ def _distance(mesh: SurfaceMesh, unremeshed: SurfaceMesh) -> DistanceSummary:
     return DistanceSummary(
         mean=found.mean_mm,
         rms=found.rms_mm,
+        p50=max(found.to_reference.p50_mm, found.from_reference.p50_mm),
+        p90=max(found.to_reference.p90_mm, found.from_reference.p90_mm),
         p95=found.hausdorff95_mm,
         max=found.hausdorff_mm,
         count=found.to_reference.samples + found.from_reference.samples,

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from worker.evaluation.curvature_comparison import CurvatureComparison, compare_curvature
 from worker.evaluation.distance import SurfaceDistance, surface_to_surface
 from worker.evaluation.point_set_distance import PointSetDistance, point_set_distance
 from worker.evaluation.quality import TriangleQuality, triangle_quality
@@ -32,7 +33,8 @@ class Comparison:
     """A surface, its reference, and their distances.
 
     surface_distance is exact and is the one to judge by; point_set_distance is the method's own
-    form, between as many points drawn independently on either surface.
+    form, between as many points drawn independently on either surface. curvature is None where it
+    was not asked for, or a surface is not closed.
     """
 
     mesh: SurfaceFacts
@@ -40,14 +42,21 @@ class Comparison:
     volume_difference_percent: float | None
     surface_distance: SurfaceDistance
     point_set_distance: PointSetDistance
+    curvature: CurvatureComparison | None
     samples: int
     seed: int
 
 
 def compared(
-    mesh: SurfaceMesh, reference: SurfaceMesh, samples: int = 20_000, seed: int = 0
+    mesh: SurfaceMesh,
+    reference: SurfaceMesh,
+    samples: int = 20_000,
+    seed: int = 0,
+    curvature_edge_mm: float | None = None,
 ) -> Comparison:
     """Measures `mesh` against `reference`, both in mm and in one frame.
+
+    curvature_edge_mm: edge length to which both are remeshed to compare how they bend.
 
     Deterministic in `seed`. Raises InternalError when either mesh has no faces.
     """
@@ -56,6 +65,9 @@ def compared(
     if own.volume_ml is not None and other.volume_ml:
         difference = 100.0 * (own.volume_ml - other.volume_ml) / other.volume_ml
     generator = np.random.default_rng(seed)
+    curvature = None
+    if curvature_edge_mm is not None and own.watertight and other.watertight:
+        curvature = compare_curvature(mesh, reference, curvature_edge_mm)
     return Comparison(
         mesh=own,
         reference=other,
@@ -65,6 +77,7 @@ def compared(
             area_uniform_samples_mm(mesh, samples, generator),
             area_uniform_samples_mm(reference, samples, generator),
         ),
+        curvature=curvature,
         samples=samples,
         seed=seed,
     )

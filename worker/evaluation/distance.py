@@ -5,6 +5,7 @@ from weakref import WeakKeyDictionary
 
 import igl
 import numpy as np
+from jaxtyping import Int
 
 from schemas.problem import InternalError, ProblemType
 from worker.arrays import Points, Scalars
@@ -18,6 +19,8 @@ class DirectedDistance:
 
     mean_mm: float
     rms_mm: float
+    p50_mm: float
+    p90_mm: float
     p95_mm: float
     max_mm: float
     samples: int
@@ -49,11 +52,12 @@ class _Tree:
         self._boxes = igl.AABB()
         self._boxes.init(self._vertices, self._faces)
 
-    def distances_mm(self, points_mm: Points) -> Scalars:
+    def nearest(self, points_mm: Points) -> tuple[Scalars, Int[np.ndarray, " n"], Points]:
+        """Distances, faces and places of the nearest points of the mesh."""
         points = np.ascontiguousarray(points_mm, dtype=np.float64)
-        squared, _, _ = self._boxes.squared_distance(self._vertices, self._faces, points)
+        squared, face, places = self._boxes.squared_distance(self._vertices, self._faces, points)
         distances: Scalars = np.sqrt(np.maximum(squared, 0.0))
-        return distances
+        return distances, face.astype(np.int64), places
 
 
 _TREES: WeakKeyDictionary[SurfaceMesh, _Tree] = WeakKeyDictionary()
@@ -66,16 +70,29 @@ def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
 
     Raises InternalError when the mesh has no faces.
     """
+    tree = _tree(mesh)
+    return tree.nearest(points_mm)[0] if len(points_mm) else np.zeros(0)
+
+
+def nearest_on_surface(
+    points_mm: Points, mesh: SurfaceMesh
+) -> tuple[Points, Int[np.ndarray, " n"]]:
+    """The nearest point of `mesh` to each of (n, 3) points, n at least 1: where it is, (n, 3) mm,
+    and in which face, (n,). Raises InternalError when the mesh has no faces.
+    """
+    _, faces, places = _tree(mesh).nearest(points_mm)
+    return places, faces
+
+
+def _tree(mesh: SurfaceMesh) -> _Tree:
     if not len(mesh.faces):
         raise InternalError(
             ProblemType.NO_SURFACE, "The mesh has no triangles to measure a distance to."
         )
-    if not len(points_mm):
-        return np.zeros(0)
     tree = _TREES.get(mesh)
     if tree is None:
         tree = _TREES[mesh] = _Tree(mesh)
-    return tree.distances_mm(points_mm)
+    return tree
 
 
 def surface_to_surface(
@@ -105,6 +122,8 @@ def _directed(
     return DirectedDistance(
         mean_mm=float(distances.mean()),
         rms_mm=float(np.sqrt(np.mean(distances**2))),
+        p50_mm=float(np.percentile(distances, 50.0)),
+        p90_mm=float(np.percentile(distances, 90.0)),
         p95_mm=float(np.percentile(distances, 95.0)),
         max_mm=float(distances.max()),
         samples=samples,

@@ -1,4 +1,4 @@
-"""What the left ventricle pumps."""
+"""What a ventricle pumps."""
 
 from schemas.report import FunctionReport
 
@@ -13,5 +13,12 @@ def lv_function(edv_ml: float, esv_ml: float) -> FunctionReport:
         lv_edv_ml=edv_ml,
         lv_esv_ml=esv_ml,
         lv_stroke_volume_ml=stroke_ml,
-        lv_ejection_fraction_percent=100.0 * stroke_ml / edv_ml,
+        lv_ejection_fraction_percent=shrinkage_percent(edv_ml, esv_ml),
     )
+
+
+def shrinkage_percent(diastolic: float, systolic: float) -> float:
+    """How much of a positive diastolic measure is gone at end-systole, %: of volumes the ejection
+    fraction, of areas the fractional area change.
+    """
+    return 100.0 * (diastolic - systolic) / diastolic

@@ -17,6 +17,10 @@ class PointSetDistance:
     rms_chamfer_mm: square root of half of it, a length again.
     hausdorff_mm: largest distance either way. hausdorff{50,90,95}_mm: the larger of the two
         directions' percentiles.
+    rmse_mm, mae_mm: root mean square and mean of all distances, those of both directions together;
+        so rmse_mm is never the smaller.
+    optimal_threshold_mm: 90th percentile of the distances from P to Q, P the surface that is
+        judged: what nine tenths of it are nearer than.
 
     These do not vanish for two samplings of one surface: the floor is about half the spacing of
     the points. For judgement use `surface_to_surface`.
@@ -29,14 +33,21 @@ class PointSetDistance:
     hausdorff50_mm: float
     hausdorff90_mm: float
     hausdorff95_mm: float
+    rmse_mm: float
+    mae_mm: float
+    optimal_threshold_mm: float
 
 
 def point_set_distance(first_mm: SomePoints, second_mm: SomePoints) -> PointSetDistance:
-    """Distances between point sets (n, 3) and (m, 3), mm. Raises InternalError if one is empty."""
+    """Distances between point sets P (n, 3) and Q (m, 3), mm.
+
+    Raises InternalError if one is empty.
+    """
     if not len(first_mm) or not len(second_mm):
         raise InternalError(ProblemType.NO_SURFACE, "A point set without points has no distance.")
     there, _ = cKDTree(second_mm).query(first_mm)
     back, _ = cKDTree(first_mm).query(second_mm)
+    either = np.concatenate([there, back])
     chamfer = float(np.mean(there**2) + np.mean(back**2))
 
     def percentile(percent: float) -> float:
@@ -49,4 +60,7 @@ def point_set_distance(first_mm: SomePoints, second_mm: SomePoints) -> PointSetD
         hausdorff50_mm=percentile(50.0),
         hausdorff90_mm=percentile(90.0),
         hausdorff95_mm=percentile(95.0),
+        rmse_mm=float(np.sqrt(np.mean(either**2))),
+        mae_mm=float(np.mean(either)),
+        optimal_threshold_mm=float(np.percentile(there, 90.0)),
     )

@@ -8,7 +8,7 @@ import trimesh
 
 from schemas.vocabulary import Structure
 from worker.arrays import Vector
-from worker.phantom.section import section
+from worker.evaluation.section import section
 from worker.surface_mesh import SurfaceMesh
 
 _BESIDE_MM = 1.0

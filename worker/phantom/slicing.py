@@ -10,11 +10,11 @@ from schemas.problem import InputError, ProblemType
 from schemas.study import Contour, ContourStudy, Frame, Point, Slice
 from schemas.vocabulary import Axes, Structure, Units, View
 from worker.arrays import Points, Vector
+from worker.evaluation.section import section
 from worker.evaluation.topology import is_outward
 from worker.phantom.long_axis import long_axis
 from worker.phantom.outline import enclosed_mm2, evenly_spaced, unsteady
 from worker.phantom.planes import SlicePlane, long_axis_planes, short_axis_stack
-from worker.phantom.section import section
 from worker.phantom.slicing_plan import STANDARD_PLAN, SlicingPlan
 from worker.surface_mesh import SurfaceMesh
 

@@ -9,17 +9,22 @@ from schemas.report import (
     EndReport,
     FrameReport,
     FunctionReport,
+    Histogram,
+    LeftVentricleReport,
     LevelReport,
     Provenance,
     QualityReport,
     Report,
+    SegmentReport,
+    SimulationReport,
     SliceReport,
     SurfaceReport,
+    ViewResiduals,
 )
 from schemas.vocabulary import Axes, Structure, View
 from worker.artifacts.html import loss_chart, render_html
 
-_DISTANCE = DistanceSummary(mean=0.25, rms=0.3, p95=0.5, max=1.75, count=100)
+_DISTANCE = DistanceSummary(mean=0.25, rms=0.3, p50=0.2, p90=0.45, p95=0.5, max=1.75, count=100)
 
 
 _EVEN = QualityReport(
@@ -50,11 +55,24 @@ def report() -> Report:
         vertices=10,
         faces=16,
         euler_number=2,
+        components=1,
+        manifold=True,
+        self_intersecting_triangles=0,
+        crossing_triangles={},
+        simulation=SimulationReport(fit=False, reasons=["27.5 % are <slivers>."]),
         contour_residual_mm=_DISTANCE,
+        contour_residual_by_view={
+            "short_axis": ViewResiduals(
+                summary_mm=_DISTANCE, histogram=Histogram(bin_width_mm=0.1, counts=[9], beyond=0)
+            )
+        },
+        contour_residual_by_region_mm={"apex": _DISTANCE.model_copy(update={"mean": 0.81})},
         quality=_UNEVEN,
         quality_before_remeshing=None,
         remeshing_distance_mm=None,
-        support_mm=DistanceSummary(mean=2.5, rms=3.0, p95=6.25, max=9.35, count=10),
+        support_mm=DistanceSummary(
+            mean=2.5, rms=3.0, p50=2.0, p90=5.5, p95=6.25, max=9.35, count=10
+        ),
         slice_gap_mm=8.0,
         beyond_slice_gap_percent=3.75,
         apex=EndReport(height_mm=4.15, support_max_mm=9.35, on_long_axis=False),
@@ -69,6 +87,7 @@ def report() -> Report:
         crossings=6,
         rotation_deg=0.0,
         contour_residual_mm={Structure.LV_ENDO: _DISTANCE},
+        dice={Structure.LV_ENDO: 0.987},
     )
     empty = SliceReport(
         id="sax-01",
@@ -78,12 +97,23 @@ def report() -> Report:
         crossings=0,
         rotation_deg=0.0,
         contour_residual_mm={},
+        dice={},
     )
     frame = FrameReport(
         label="ED",
         time_ms=None,
         outline_noise_mm=0.456,
         surfaces={Structure.LV_ENDO: surface},
+        left_ventricle=LeftVentricleReport(
+            long_axis_length_mm=91.5,
+            sphericity=0.42,
+            mid_area_cm2=15.0,
+            wall_mass_g=None,
+            wall_thickness_mm={
+                7: SegmentReport(name="mid anterior", mean_mm=9.12, min_mm=8.5, max_mm=10.25)
+            },
+            not_measured={"wall_mass_g": "There is no lv_epi."},
+        ),
         slices=[observed, empty],
         levels=[_level(0, 0.5), _level(1, 0.05)],
     )
@@ -172,6 +202,13 @@ def test_text_of_the_caller_is_escaped(report: Report) -> None:
         "0.37",
         "miss each other by 0.46 mm",
         "&gt; 1000",
+        "0.987",
+        "0.81",
+        "lv_endo: not yet.</strong> 27.5 % are &lt;slivers&gt;.",
+        "91.5 mm",
+        "mid anterior",
+        "9.12",
+        "There is no lv_epi.",
         "1.50\N{EN DASH}2.50",
     ],
 )
@@ -230,7 +267,7 @@ def test_the_page_tells_triangles_before_and_after_remeshing(report: Report) -> 
             "quality": _EVEN,
             "quality_before_remeshing": _UNEVEN,
             "remeshing_distance_mm": DistanceSummary(
-                mean=0.01, rms=0.02, p95=0.04, max=0.26, count=20
+                mean=0.01, rms=0.02, p50=0.01, p90=0.03, p95=0.04, max=0.26, count=20
             ),
         }
     )

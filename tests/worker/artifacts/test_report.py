@@ -141,6 +141,64 @@ def test_function_is_reported_for_end_diastole_and_end_systole() -> None:
     function = report_of(frame("ED", 30.0), frame("ES", 24.0)).function
     assert function is not None
     assert function.lv_ejection_fraction_percent == pytest.approx(100 * (1 - 0.8**3), abs=0.1)
+    assert function.lv_fractional_area_change_percent == pytest.approx(36.0, abs=0.2)
+    assert function.rv_edv_ml is None
+
+
+def test_the_right_ventricle_pumps_too() -> None:
+    def both(label: str, left_mm: float, right_mm: float) -> FrameFit:
+        left = frame(label, left_mm)
+        (one,) = left.slices
+        beside = circle(right_mm, 0.0, (70.0, 0.0))
+        rv = {Structure.RV_ENDO: (ContourPoints(beside, closed=True),)}
+        right = sphere(right_mm)
+        moved = SurfaceMesh(right.vertices_mm + np.array([70.0, 0.0, 0.0]), right.faces)
+        return replace(
+            left,
+            surfaces={**left.surfaces, Structure.RV_ENDO: moved},
+            slices=(replace(one, contours_mm={**one.contours_mm, **rv}),),
+        )
+
+    function = report_of(both("ED", 30.0, 25.0), both("ES", 24.0, 20.0)).function
+    assert function.rv_edv_ml == pytest.approx(4e-3 / 3 * math.pi * 25.0**3, rel=5e-3)
+    assert function.rv_ejection_fraction_percent == pytest.approx(100 * (1 - 0.8**3), abs=0.1)
+    assert function.rv_stroke_volume_ml == pytest.approx(function.rv_edv_ml - function.rv_esv_ml)
+
+
+def test_residuals_are_told_by_view_and_region_and_add_up() -> None:
+    fit = stack(long_axis=True)
+    surface = report_of(fit).frames[0].surfaces[Structure.LV_ENDO]
+    by_view = surface.contour_residual_by_view
+    assert set(by_view) == {"short_axis", "long_axis"}
+    total = surface.contour_residual_mm.count
+    assert sum(part.summary_mm.count for part in by_view.values()) == total
+    assert sum(part.count for part in surface.contour_residual_by_region_mm.values()) == total
+    for part in by_view.values():
+        assert sum(part.histogram.counts) + part.histogram.beyond == part.summary_mm.count
+
+
+def test_sections_cover_what_was_outlined() -> None:
+    half = frame("ED", 30.0, slice_fit(circle(15.0, 0.0), (0.0, 0.0, 0.0)))
+    (exact,), (small,) = (report_of(one).frames[0].slices for one in (frame("ED", 30.0), half))
+    assert exact.dice[Structure.LV_ENDO] == pytest.approx(1.0, abs=3e-3)
+    assert small.dice[Structure.LV_ENDO] == pytest.approx(2.0 * 0.25 / 1.25, abs=3e-3)
+
+
+def test_an_even_sphere_is_fit_for_a_simulation_and_one_with_slivers_is_not() -> None:
+    even = frame("ED", 30.0)
+    mesh = even.surfaces[Structure.LV_ENDO]
+    thin = SurfaceMesh(mesh.vertices_mm.copy(), mesh.faces)
+    first = mesh.faces[0]
+    thin.vertices_mm[first[0]] = thin.vertices_mm[first[1]] + 0.01 * (
+        thin.vertices_mm[first[0]] - thin.vertices_mm[first[1]]
+    )
+    uneven = replace(even, surfaces={Structure.LV_ENDO: thin})
+    fit, unfit = (
+        report_of(one).frames[0].surfaces[Structure.LV_ENDO].simulation for one in (even, uneven)
+    )
+    assert (fit.fit, fit.reasons) == (True, [])
+    assert not unfit.fit
+    assert "target_edge_mm" in unfit.reasons[-1]
 
 
 @pytest.mark.parametrize("labels", [("ED",), ("ED", "t01")])

@@ -26,3 +26,12 @@ def test_an_open_surface_has_no_volume(sphere):
     assert found.mesh.volume_ml is None
     assert found.volume_difference_percent is None
     assert found.reference.volume_ml == pytest.approx(4 / 3 * np.pi * 8.0, rel=2e-3)
+
+
+def test_curvature_needs_to_be_asked_for_and_both_surfaces_closed(spheres):
+    one, other = spheres(22.0, 4), spheres(20.0, 4)
+    holed = SurfaceMesh(one.vertices_mm, one.faces[1:])
+    assert compared(one, other, samples=500).curvature is None
+    assert compared(holed, other, samples=500, curvature_edge_mm=3.0).curvature is None
+    found = compared(one, other, samples=500, curvature_edge_mm=3.0).curvature
+    assert found.mean_per_mm.mean_abs == pytest.approx(1 / 20.0 - 1 / 22.0, rel=0.15)

@@ -1,5 +1,8 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from scipy.spatial.distance import directed_hausdorff
 
 from schemas.problem import InternalError
@@ -15,6 +18,9 @@ def test_hand_made_sets_have_hand_made_distances():
     assert found.rms_chamfer_mm == pytest.approx(np.sqrt(12.5))
     assert found.hausdorff_mm == pytest.approx(4.0)
     assert found.hausdorff50_mm == pytest.approx(3.5)
+    assert found.rmse_mm == pytest.approx(np.sqrt(12.5))
+    assert found.mae_mm == pytest.approx(3.5)
+    assert found.optimal_threshold_mm == pytest.approx(3.9)
 
 
 def test_a_set_is_at_no_distance_from_itself():
@@ -28,7 +34,11 @@ def test_it_is_symmetric_and_agrees_with_scipy():
     generator = np.random.default_rng(1)
     first, second = generator.normal(size=(300, 3)), generator.normal(size=(200, 3)) + 0.5
     found = point_set_distance(first, second)
-    assert found == point_set_distance(second, first)
+    turned = point_set_distance(second, first)
+    # But for the threshold, which is of the first set alone.
+    assert replace(found, optimal_threshold_mm=0.0) == replace(turned, optimal_threshold_mm=0.0)
+    within = cKDTree(second).query(first)[0] <= found.optimal_threshold_mm
+    assert within.mean() == pytest.approx(0.9, abs=0.005)
     there, back = directed_hausdorff(first, second)[0], directed_hausdorff(second, first)[0]
     assert found.hausdorff_mm == pytest.approx(max(there, back))
 
@@ -42,3 +52,20 @@ def test_percentiles_are_in_order():
 def test_an_empty_set_is_refused():
     with pytest.raises(InternalError, match="without points"):
         point_set_distance(np.zeros((0, 3)), np.zeros((1, 3)))
+
+
+def test_a_shifted_grid_is_off_by_the_shift_in_every_measure():
+    grid = np.stack(np.meshgrid(*[np.arange(6.0)] * 3), axis=-1).reshape(-1, 3)
+    found = point_set_distance(grid, grid + np.array([0.25, 0.0, 0.0]))
+    assert found.chamfer_mm2 == pytest.approx(2.0 * 0.0625)
+    lengths = (found.rms_chamfer_mm, found.hausdorff_mm, found.rmse_mm, found.mae_mm)
+    assert lengths == pytest.approx((0.25,) * 4)
+    assert found.optimal_threshold_mm == pytest.approx(0.25)
+
+
+def test_the_root_of_the_mean_square_is_never_below_the_mean():
+    generator = np.random.default_rng(3)
+    for _ in range(20):
+        first, second = generator.normal(size=(2, 50, 3))
+        found = point_set_distance(first, second * generator.uniform(0.1, 3.0))
+        assert found.rmse_mm >= found.mae_mm

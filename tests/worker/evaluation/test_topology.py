@@ -4,6 +4,7 @@ from worker.evaluation.topology import (
     boundary_loop_count,
     component_count,
     euler_number,
+    is_manifold,
     is_outward,
     is_watertight,
 )
@@ -83,3 +84,22 @@ def test_no_faces_are_no_surface():
     nothing = SurfaceMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64))
     assert not is_watertight(nothing)
     assert component_count(nothing) == 0
+
+
+def test_a_surface_is_manifold_with_or_without_a_rim(cube):
+    assert is_manifold(cube)
+    assert is_manifold(SurfaceMesh(cube.vertices_mm, cube.faces[1:]))
+    spare = SurfaceMesh(np.vstack([cube.vertices_mm, [[0.0, 0.0, 0.0]]]), cube.faces)
+    assert is_manifold(spare)
+
+
+def test_cubes_that_touch_in_a_vertex_or_an_edge_are_not_manifold(cube):
+    for step in ([10.0, 10.0, 10.0], [10.0, 10.0, 0.0]):
+        both = np.vstack([cube.vertices_mm, cube.vertices_mm + np.array(step)])
+        faces = np.vstack([cube.faces, cube.faces + len(cube.vertices_mm)])
+        merged, index = np.unique(both, axis=0, return_inverse=True)
+        assert not is_manifold(SurfaceMesh(merged, index.reshape(-1)[faces]))
+
+
+def test_nothing_is_no_manifold(cube):
+    assert not is_manifold(SurfaceMesh(cube.vertices_mm, cube.faces[:0]))

@@ -9,8 +9,8 @@ import pytest
 from cli.mesh_file import read_surface
 from schemas.study import ContourStudy
 from worker.evaluation.distance import points_to_surface_mm
+from worker.evaluation.section import section
 from worker.phantom.outline import enclosed_mm2
-from worker.phantom.section import section
 
 CASES = Path(__file__).parents[4] / "shared" / "data" / "cases"
 NAMES = sorted(path.parent.name for path in CASES.glob("*/contours.json"))

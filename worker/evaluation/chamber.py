@@ -1,0 +1,41 @@
+"""Shape of a chamber: its length, how round it is, and its area half-way."""
+
+import math
+
+import igl
+import numpy as np
+
+from worker.arrays import Vector
+from worker.evaluation.section import section
+from worker.surface_mesh import SurfaceMesh
+
+
+def long_axis_length_mm(mesh: SurfaceMesh, toward_base: Vector) -> float:
+    """Extent of a chamber from apex to base along the unit vector `toward_base` (3,), mm."""
+    return float(np.ptp(mesh.vertices_mm @ toward_base))
+
+
+def sphericity(volume_ml: float, length_mm: float) -> float:
+    """Volume over that of a sphere as wide as the chamber is long: 1 for a sphere, less for a
+    slender chamber (the three-dimensional sphericity index of echocardiography).
+    """
+    return volume_ml / (math.pi / 6.0 * (length_mm / 10.0) ** 3)
+
+
+def mid_area_cm2(mesh: SurfaceMesh, toward_base: Vector) -> float:
+    """Area across a closed, outward chamber half-way between apex and base, cm2."""
+    heights = mesh.vertices_mm @ toward_base
+    middle = 0.5 * (heights.min() + heights.max()) * toward_base
+    doubled = [
+        np.cross(loop - middle, np.roll(loop, -1, axis=0) - middle).sum(axis=0)
+        for loop in section(mesh, middle, toward_base)
+    ]
+    return float(np.sum(doubled, axis=0) @ toward_base / 2.0 / 100.0)
+
+
+def centroid_mm(mesh: SurfaceMesh) -> Vector:
+    """Centre of mass of what a closed mesh encloses, (3,) mm."""
+    vertices = np.ascontiguousarray(mesh.vertices_mm, dtype=np.float64)
+    centre, _ = igl.centroid(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int64))
+    found: Vector = np.asarray(centre, dtype=np.float64).reshape(3)
+    return found

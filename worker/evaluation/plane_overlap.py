@@ -1,0 +1,81 @@
+"""How well a surface's section covers what was outlined on that plane."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from shapely.geometry import MultiPolygon, Polygon
+from shapely.geometry.base import BaseGeometry
+
+from worker.arrays import PlanePoints, SomePoints, Vector
+from worker.evaluation.section import section
+from worker.surface_mesh import SurfaceMesh
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneOutline:
+    """One outline on a plane: (n, 3) points, mm. An open one is closed by a chord, beyond which
+    nothing was outlined.
+    """
+
+    points_mm: SomePoints
+    closed: bool
+
+
+def plane_dice(
+    mesh: SurfaceMesh, outlines: Sequence[PlaneOutline], origin_mm: Vector, normal: Vector
+) -> float | None:
+    """Dice coefficient between what outlines enclose on a plane and what the surface does there.
+
+    2 |A and B| / (|A| + |B|): 1 for the same areas, 0 for disjoint ones; None where neither
+    encloses anything. mesh: closed and outward. Outlines in one another are holes. Where an outline
+    is open, what the surface encloses beyond its chord is left out: there it was not asked.
+    """
+    across, along = _axes(normal)
+
+    def dropped(points_mm: SomePoints) -> PlanePoints:
+        return (points_mm - origin_mm) @ np.column_stack([across, along])
+
+    own = enclosed([dropped(one.points_mm) for one in outlines])
+    cut = enclosed([dropped(loop) for loop in section(mesh, origin_mm, normal)])
+    for one in outlines:
+        if not one.closed:
+            cut = _before_chord(cut, dropped(one.points_mm))
+    both = own.area + cut.area
+    return float(2.0 * shapely.intersection(own, cut).area / both) if both > 0.0 else None
+
+
+def enclosed(rings: Sequence[PlanePoints]) -> BaseGeometry:
+    """What closed rings, (n, 2) each, enclose by the even-odd rule: a ring in a ring is a hole."""
+    area: BaseGeometry = MultiPolygon()
+    for ring in rings:
+        if len(ring) > 2:
+            area = shapely.symmetric_difference(area, shapely.make_valid(Polygon(ring)))
+    return area
+
+
+def _before_chord(area: BaseGeometry, ring: PlanePoints) -> BaseGeometry:
+    """The part of `area` on that side of the line through an arc's ends where the arc runs."""
+    start, end = ring[0], ring[-1]
+    chord = end - start
+    length = float(np.linalg.norm(chord))
+    if length == 0.0:
+        return area
+    chord = chord / length
+    inward = np.array([-chord[1], chord[0]])
+    if (ring - start).mean(axis=0) @ inward < 0.0:
+        inward = -inward
+    low, high = np.array(area.bounds[:2] or [0.0, 0.0]), np.array(area.bounds[2:] or [0.0, 0.0])
+    reach = float(np.linalg.norm(high - low)) + float(np.abs(ring).sum(axis=1).max()) + 1.0
+    left, right = start - reach * chord, end + reach * chord
+    half_plane = Polygon([left, right, right + 2.0 * reach * inward, left + 2.0 * reach * inward])
+    return shapely.intersection(area, half_plane)
+
+
+def _axes(normal: Vector) -> tuple[Vector, Vector]:
+    """Two unit vectors that span the plane."""
+    unit = normal / np.linalg.norm(normal)
+    across = np.cross(unit, np.eye(3)[int(np.argmin(np.abs(unit)))])
+    across /= np.linalg.norm(across)
+    return across, np.cross(unit, across)
