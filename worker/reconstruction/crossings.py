@@ -18,7 +18,10 @@ from worker.reconstruction.shift_variance import SliceOffsets, joined_offsets, s
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
 _ROUNDS = 20
-"""Gauss-Newton steps: each finds the nearest points of the outline anew."""
+"""Gauss-Newton steps, at most: each finds the nearest points of the outline anew."""
+
+_STILL = 1e-7
+"""Unit lengths, and radians: a step no longer than this is the last."""
 
 _OUTLIER = 3.0
 """Residuals beyond so many noise levels count less and less (Huber)."""
@@ -166,7 +169,10 @@ def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: 
             offsets.append(
                 SliceOffsets(slopes[drawn_there, :2], before[drawn_there], steady[drawn_there])
             )
-        motion = motion + np.linalg.solve(precision, pull)
+        step = np.linalg.solve(precision, pull)
+        motion = motion + step
+        if np.abs(step).max() < _STILL:
+            break
     return _Solution(motion, precision, np.concatenate(residuals), joined_offsets(offsets))
 
 
