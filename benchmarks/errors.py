@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.regions import Region, Thirds
 from benchmarks.results import Errors
 from worker.arrays import Scalars, Vector
 from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.surface_samples import area_uniform_samples_mm
+from worker.evaluation.thirds import Region, Thirds
 from worker.evaluation.topology import is_watertight
 from worker.surface_mesh import SurfaceMesh
 

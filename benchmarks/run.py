@@ -5,12 +5,13 @@ from collections.abc import Iterator, Sequence
 
 from benchmarks.cases import Case, factors
 from benchmarks.errors import errors, residual_mm
+from benchmarks.long_axis import apex_to_base
 from benchmarks.measure import Failed, Measured, measured
 from benchmarks.methods import Method
-from benchmarks.regions import Thirds, apex_to_base, thirds
 from benchmarks.results import CaseFacts, Record
 from schemas.vocabulary import Structure, View
 from worker.evaluation.size import volume_ml
+from worker.evaluation.thirds import Thirds, thirds
 from worker.reconstruction.stacking import build_stack
 
 

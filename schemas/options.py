@@ -94,14 +94,14 @@ class LossOptions(WireModel):
         default=100.0, gt=0.0, le=1e4, description="alpha, logits per half-extent"
     )
     hinge_samples: int = Field(default=64, ge=1, le=65536)
-    outline_noise_mm: float | None = Field(
+    contour_noise_mm: float | None = Field(
         default=None,
         ge=0.0,
         le=20.0,
-        description="How far outlines that cross miss each other, mm (standard deviation). The "
-        "larger, the more slowly outlines are learned and the less each one weighs, so that many "
+        description="How far contours that cross miss each other, mm (standard deviation). The "
+        "larger, the more slowly contours are learned and the less each one weighs, so that many "
         "slices together count for more than one hand. Left out, it is measured where long-axis "
-        "outlines cross short-axis ones, and 0 where none do.",
+        "contours cross short-axis ones, and 0 where none do.",
     )
 
 
@@ -217,7 +217,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "align_slices": False,
         "network": {"first_frequency": 8.0},
         "optimizer": {"method": "adam", "learning_rate": 1e-2},
-        "loss": {"contour_weight": 1.0, "hinge_samples": 256, "outline_noise_mm": 0.0},
+        "loss": {"contour_weight": 1.0, "hinge_samples": 256, "contour_noise_mm": 0.0},
         "mesh": {"projection_steps": 0},
     },
 }

@@ -213,7 +213,7 @@ class FrameReport(WireModel):
 
     label: str
     time_ms: float | None
-    outline_noise_mm: float | None = Field(
+    contour_noise_mm: float | None = Field(
         description="How far long-axis contours miss the short-axis ones that they cross, beyond "
         "what shifts explain, mm (standard deviation): the unsteadiness of the contours, which "
         "no surface can follow. null where none cross."

@@ -4,10 +4,10 @@ import math
 from collections.abc import Callable, Sequence
 from statistics import fmean, median
 
-from benchmarks.regions import Region
 from benchmarks.results import Errors, Record, Results
 from benchmarks.summary import geometric_mean, groups_of, of_method, taking_part
 from benchmarks.tables.markdown import lowest_bold, number, table
+from worker.evaluation.thirds import Region
 
 Part = Callable[[Record], Errors | None]
 

@@ -5,8 +5,8 @@ import pytest
 import trimesh
 
 from benchmarks.errors import errors, residual_mm
-from benchmarks.regions import Region, thirds
 from worker.evaluation.distance import surface_to_surface
+from worker.evaluation.thirds import Region, thirds
 from worker.surface_mesh import SurfaceMesh
 
 UP = np.array([0.0, 0.0, 1.0])

@@ -3,8 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from schemas.options import Base, Options
 from schemas.report import (
     FrameReport,
@@ -15,19 +13,20 @@ from schemas.report import (
     SliceReport,
 )
 from schemas.vocabulary import Structure
+from worker.arrays import Vector
+from worker.artifacts.contour_warnings import contour_warnings
 from worker.artifacts.evidence import aligned_outlines
 from worker.artifacts.left_ventricle import left_ventricle_report
-from worker.artifacts.outline_warnings import outline_warnings
 from worker.artifacts.support_warnings import support_warnings
 from worker.artifacts.surface_crossings import crossing_triangles
 from worker.artifacts.surface_report import surface_report
-from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.extrapolation import apex_to_base
 from worker.evaluation.function import lv_function, shrinkage_percent
-from worker.evaluation.plane_overlap import PlaneOutline, plane_dice
+from worker.evaluation.plane_overlap import plane_dice
+from worker.evaluation.residuals import Residuals, all_distances_mm, contour_residuals
 from worker.evaluation.summary import summarised
 from worker.evaluation.topology import is_watertight
-from worker.reconstruction.result import ContourPoints, FrameFit, Reconstruction, SliceFit
+from worker.reconstruction.result import FrameFit, Reconstruction, SliceFit
 from worker.surface_mesh import SurfaceMesh
 
 _Surfaces = Mapping[Structure, SurfaceMesh]
@@ -60,7 +59,7 @@ def build_report(
         function=_function(frames),
         warnings=[
             *warnings,
-            *(text for one in frames for text in outline_warnings(one.label, one.outline_noise_mm)),
+            *(text for one in frames for text in contour_warnings(one.label, one.contour_noise_mm)),
             *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
         ],
         timings_s=dict(timings_s),
@@ -77,17 +76,21 @@ def mesh_name(frame_label: str, structure: Structure) -> str:
 def _frame(fit: FrameFit, options: Options) -> FrameReport:
     outlines = aligned_outlines(fit)
     toward_base = apex_to_base(outlines)
+    residuals = {
+        structure: contour_residuals(mesh, outlines.get(structure, ()))
+        for structure, mesh in fit.surfaces.items()
+    }
     crossing = crossing_triangles(fit.surfaces)
     closed = {s: mesh for s, mesh in fit.surfaces.items() if is_watertight(mesh)}
     return FrameReport(
         label=fit.label,
         time_ms=fit.time_ms,
-        outline_noise_mm=fit.outline_noise_mm,
+        contour_noise_mm=fit.contour_noise_mm,
         surfaces={
             structure: surface_report(
                 mesh,
                 fit.unremeshed.get(structure),
-                outlines.get(structure, ()),
+                residuals[structure],
                 toward_base,
                 crossing[structure],
                 [
@@ -99,7 +102,7 @@ def _frame(fit: FrameFit, options: Options) -> FrameReport:
             for structure, mesh in fit.surfaces.items()
         },
         left_ventricle=left_ventricle_report(fit.surfaces, closed, outlines, toward_base),
-        slices=[_slice(one, fit.surfaces, closed) for one in fit.slices],
+        slices=[_slice(one, residuals, closed) for one in fit.slices],
         levels=[
             LevelReport(
                 level=level.level,
@@ -114,10 +117,13 @@ def _frame(fit: FrameFit, options: Options) -> FrameReport:
     )
 
 
-def _slice(fit: SliceFit, surfaces: _Surfaces, closed: _Surfaces) -> SliceReport:
+def _slice(
+    fit: SliceFit, residuals: Mapping[Structure, Sequence[Residuals]], closed: _Surfaces
+) -> SliceReport:
     x, y, z = fit.shift_mm.tolist()
-    observed = {
-        s: outlines for s, outlines in fit.contours_mm.items() if s in surfaces and outlines
+    own = {
+        structure: [one for one in every if one.outline.slice_id == fit.id]
+        for structure, every in residuals.items()
     }
     return SliceReport(
         id=fit.id,
@@ -126,31 +132,16 @@ def _slice(fit: SliceFit, surfaces: _Surfaces, closed: _Surfaces) -> SliceReport
         shift_deviation_mm=fit.shift_deviation_mm,
         crossings=fit.crossings,
         rotation_deg=math.degrees(fit.turn_rad),
-        contour_residual_mm={
-            structure: summarised(
-                np.concatenate(
-                    [
-                        points_to_surface_mm(fit.aligned_mm(one.points_mm), surfaces[structure])
-                        for one in outlines
-                    ]
-                )
-            )
-            for structure, outlines in observed.items()
-        },
-        dice={
-            structure: _dice(fit, outlines, closed.get(structure))
-            for structure, outlines in observed.items()
-        },
+        contour_residual_mm={s: summarised(all_distances_mm(r)) for s, r in own.items() if r},
+        dice={s: _dice(r, closed.get(s), fit.normal) for s, r in own.items() if r},
     )
 
 
-def _dice(
-    fit: SliceFit, outlines: Sequence[ContourPoints], mesh: SurfaceMesh | None
-) -> float | None:
+def _dice(residuals: Sequence[Residuals], mesh: SurfaceMesh | None, normal: Vector) -> float | None:
     if mesh is None:
         return None
-    aligned = [PlaneOutline(fit.aligned_mm(one.points_mm), one.closed) for one in outlines]
-    return plane_dice(mesh, aligned, aligned[0].points_mm[0], fit.normal)
+    outlines = [one.outline for one in residuals]
+    return plane_dice(mesh, outlines, outlines[0].points_mm[0], normal)
 
 
 def _function(frames: Sequence[FrameReport]) -> FunctionReport | None:

@@ -14,9 +14,8 @@ SMALLEST_ANGLE_DEG = 20.0
 class SurfaceFaults:
     """What counts against a surface.
 
-    rims: boundary loops; an open base has one on purpose. handles: holes through it. crossing: how
-    many of its triangles pass through each other surface. sliver_percent: share of triangles under
-    the smallest angle.
+    rims: boundary loops; an open base has one on purpose. crossing: how many of its triangles
+    pass through each other surface. sliver_percent: share of triangles under the smallest angle.
     """
 
     open_base: bool

@@ -20,14 +20,10 @@ from worker.artifacts.simulation_gate import SurfaceFaults, simulation_report
 from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.extrapolation import SurfaceEnd, slice_gap_mm, surface_ends
 from worker.evaluation.quality import triangle_quality
-from worker.evaluation.residuals import Residuals, by_thirds, contour_residuals
+from worker.evaluation.residuals import Residuals, all_distances_mm, by_thirds
 from worker.evaluation.size import area_cm2, volume_ml
 from worker.evaluation.summary import histogram, summarised
-from worker.evaluation.support import (
-    AlignedOutline,
-    area_beyond_percent,
-    distance_to_outlines_mm,
-)
+from worker.evaluation.support import area_beyond_percent, distance_to_outlines_mm
 from worker.evaluation.topology import (
     boundary_loop_count,
     component_count,
@@ -48,7 +44,7 @@ _SAMPLES = 10_000
 def surface_report(
     mesh: SurfaceMesh,
     unremeshed: SurfaceMesh | None,
-    outlines: Sequence[AlignedOutline],
+    residuals: Sequence[Residuals],
     toward_base: Vector | None,
     crossing: Mapping[Structure, int],
     files: Sequence[str],
@@ -60,7 +56,7 @@ def surface_report(
     Args:
         mesh: The surface, in mm.
         unremeshed: What it was before remeshing, if it was remeshed.
-        outlines: Where it was observed, aligned.
+        residuals: Of the outlines that it was observed by, aligned.
         toward_base: (3,) the short-axis normal from apex to base, None when there is none.
         crossing: How many of its triangles pass through each other surface.
         files: Names of its files.
@@ -70,7 +66,7 @@ def surface_report(
         InternalError: for a surface that faces inward, or that no contour was observed of.
     """
     watertight = is_watertight(mesh)
-    residuals = contour_residuals(mesh, outlines)
+    outlines = [one.outline for one in residuals]
     quality = _quality(mesh)
     faults = SurfaceFaults(
         open_base=open_base,
@@ -100,7 +96,7 @@ def surface_report(
         self_intersecting_triangles=faults.self_intersecting,
         crossing_triangles=dict(crossing),
         simulation=simulation_report(faults),
-        contour_residual_mm=summarised(_distances(residuals)),
+        contour_residual_mm=summarised(all_distances_mm(residuals)),
         contour_residual_by_view=_by_view(residuals),
         contour_residual_by_region_mm=_by_region(residuals, mesh, toward_base),
         quality=quality,
@@ -126,7 +122,7 @@ _VIEWS: Mapping[_View, Callable[[View], bool]] = {
 
 def _by_view(residuals: Sequence[Residuals]) -> dict[_View, ViewResiduals]:
     parts = {
-        name: _distances([one for one in residuals if is_such(one.outline.view)])
+        name: all_distances_mm([one for one in residuals if is_such(one.outline.view)])
         for name, is_such in _VIEWS.items()
     }
     return {
@@ -144,11 +140,6 @@ def _by_region(
     apex, mid, base = by_thirds(residuals, mesh, toward_base)
     parts: dict[_Region, Scalars] = {"apex": apex, "mid": mid, "base": base}
     return {name: summarised(part) for name, part in parts.items() if len(part)}
-
-
-def _distances(residuals: Sequence[Residuals]) -> Scalars:
-    """All of them in one (n,) array, mm."""
-    return np.concatenate([*(one.distances_mm for one in residuals), np.empty(0)])
 
 
 def _quality(mesh: SurfaceMesh) -> QualityReport:

@@ -1,30 +1,21 @@
 """How well a surface's section covers what was outlined on that plane."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
-from worker.arrays import PlanePoints, SomePoints, Vector
+from intake.planes import Plane
+from worker.arrays import PlanePoints, Vector
 from worker.evaluation.section import section
+from worker.evaluation.support import AlignedOutline
 from worker.surface_mesh import SurfaceMesh
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneOutline:
-    """One outline on a plane: (n, 3) points, mm. An open one is closed by a chord, beyond which
-    nothing was outlined.
-    """
-
-    points_mm: SomePoints
-    closed: bool
-
-
 def plane_dice(
-    mesh: SurfaceMesh, outlines: Sequence[PlaneOutline], origin_mm: Vector, normal: Vector
+    mesh: SurfaceMesh, outlines: Sequence[AlignedOutline], origin_mm: Vector, normal: Vector
 ) -> float | None:
     """Dice coefficient between what outlines enclose on a plane and what the surface does there.
 
@@ -32,16 +23,12 @@ def plane_dice(
     encloses anything. mesh: closed and outward. Outlines in one another are holes. Where an outline
     is open, what the surface encloses beyond its chord is left out: there it was not asked.
     """
-    across, along = _axes(normal)
-
-    def dropped(points_mm: SomePoints) -> PlanePoints:
-        return (points_mm - origin_mm) @ np.column_stack([across, along])
-
-    own = enclosed([dropped(one.points_mm) for one in outlines])
-    cut = enclosed([dropped(loop) for loop in section(mesh, origin_mm, normal)])
+    plane = Plane.through(origin_mm, normal)
+    own = enclosed([plane.to_plane(one.points_mm) for one in outlines])
+    cut = enclosed([plane.to_plane(loop) for loop in section(mesh, origin_mm, normal)])
     for one in outlines:
         if not one.closed:
-            cut = _before_chord(cut, dropped(one.points_mm))
+            cut = _before_chord(cut, plane.to_plane(one.points_mm))
     both = own.area + cut.area
     return float(2.0 * shapely.intersection(own, cut).area / both) if both > 0.0 else None
 
@@ -71,11 +58,3 @@ def _before_chord(area: BaseGeometry, ring: PlanePoints) -> BaseGeometry:
     left, right = start - reach * chord, end + reach * chord
     half_plane = Polygon([left, right, right + 2.0 * reach * inward, left + 2.0 * reach * inward])
     return shapely.intersection(area, half_plane)
-
-
-def _axes(normal: Vector) -> tuple[Vector, Vector]:
-    """Two unit vectors that span the plane."""
-    unit = normal / np.linalg.norm(normal)
-    across = np.cross(unit, np.eye(3)[int(np.argmin(np.abs(unit)))])
-    across /= np.linalg.norm(across)
-    return across, np.cross(unit, across)

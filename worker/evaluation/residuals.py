@@ -8,6 +8,7 @@ import numpy as np
 from worker.arrays import Scalars, SomeScalars, Vector
 from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.support import AlignedOutline
+from worker.evaluation.thirds import thirds
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -24,15 +25,18 @@ def contour_residuals(mesh: SurfaceMesh, outlines: Sequence[AlignedOutline]) -> 
     return [Residuals(one, points_to_surface_mm(one.points_mm, mesh)) for one in outlines]
 
 
+def all_distances_mm(residuals: Sequence[Residuals]) -> Scalars:
+    """Of all outlines, (n,) mm, in order."""
+    return np.concatenate([*(one.distances_mm for one in residuals), np.empty(0)])
+
+
 def by_thirds(
     residuals: Sequence[Residuals], mesh: SurfaceMesh, toward_base: Vector
 ) -> tuple[SomeScalars, SomeScalars, SomeScalars]:
     """All distances in the apical, middle and basal third of the surface's extent along the unit
     vector `toward_base` (3,), each (k,) mm. What lies beyond an end belongs to that end.
     """
-    heights = mesh.vertices_mm @ toward_base
-    cuts = np.linspace(heights.min(), heights.max(), 4)[1:3]
-    points = [one.outline.points_mm @ toward_base for one in residuals]
-    third = np.searchsorted(cuts, np.concatenate([*points, np.empty(0)]))
-    distances = np.concatenate([*(one.distances_mm for one in residuals), np.empty(0)])
+    points = [one.outline.points_mm for one in residuals]
+    third = thirds(mesh, toward_base).of(np.concatenate([*points, np.empty((0, 3))]))
+    distances = all_distances_mm(residuals)
     return distances[third == 0], distances[third == 1], distances[third == 2]

@@ -61,7 +61,7 @@ def crossing_evidence(
     expected = min(max(noise, spread.displacement), prior) if crossed else prior
     held = prior_precision(expected, turning)
     solved = [_solve(crossings, held, unsteady) for crossings in found]
-    displaced = spread.evidence > _TELLING or not crossed
+    displaced = spread.evidence > _TELLING
     precision = np.array([s.precision for s in solved]).reshape(len(found), 3, 3)
     motion = np.array([s.motion for s in solved]).reshape(len(found), 3)
     return ShiftEvidence(
@@ -70,7 +70,7 @@ def crossing_evidence(
         crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
         settled=shift_deviations(precision) <= _SETTLED * noise,
         displaced=displaced,
-        outline_noise=spread.noise if crossed else None,
+        contour_noise=spread.noise if crossed else None,
     )
 
 

@@ -47,7 +47,7 @@ from worker.surface_mesh import SurfaceMesh
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
 
-_OUTLINE_NOISE_MM = 0.25
+_CONTOUR_NOISE_MM = 0.25
 """How well an observer's outline is known, at best: crossings do not fix a shift any better."""
 
 _WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
@@ -107,7 +107,7 @@ def _reconstruct_frame(
     shifts = SliceShifts(
         unit_stack.showing(classes.surfaces), evidence, furthest, turning=options.alignment.rotate
     )
-    suited = tempered(options, _outline_noise(evidence, options, unit_mm))
+    suited = tempered(options, _contour_noise(evidence, options, unit_mm))
     fit = fit_field(samples_of, shifts, classes, suited, fitting)
     meshing = observer.part(_FIT_SHARE, 1.0)
     motion = shifts.found()
@@ -122,16 +122,16 @@ def _reconstruct_frame(
         unremeshed=unremeshed,
         slices=_slice_fits(stack, unit_stack, unit_frame, motion, evidence),
         levels=_level_fits(fit, unit_frame, options),
-        outline_noise_mm=None
-        if evidence.outline_noise is None
-        else unit_mm * evidence.outline_noise,
+        contour_noise_mm=None
+        if evidence.contour_noise is None
+        else unit_mm * evidence.contour_noise,
     )
 
 
 def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEvidence:
     """What is known of the slices' shifts, and of how unsteady outlines are, before the fit."""
     prior = min(options.alignment.prior_mm / unit_mm, _WIDEST_PRIOR)
-    noise = min(_OUTLINE_NOISE_MM / unit_mm, prior)
+    noise = min(_CONTOUR_NOISE_MM / unit_mm, prior)
     crossed = crossing_evidence(stack, prior, noise, turning=options.alignment.rotate)
     if not options.align_slices:
         return crossed.in_place(prior)
@@ -140,10 +140,10 @@ def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEviden
     return smoothness_evidence(stack, prior, noise, unit_mm, turning=options.alignment.rotate)
 
 
-def _outline_noise(evidence: ShiftEvidence, options: Options, unit_mm: float) -> float:
+def _contour_noise(evidence: ShiftEvidence, options: Options, unit_mm: float) -> float:
     """How unsteady outlines are taken to be, unit lengths."""
-    given_mm = options.loss.outline_noise_mm
-    return (evidence.outline_noise or 0.0) if given_mm is None else given_mm / unit_mm
+    given_mm = options.loss.contour_noise_mm
+    return (evidence.contour_noise or 0.0) if given_mm is None else given_mm / unit_mm
 
 
 def _mesh(

@@ -61,7 +61,7 @@ class LevelFit:
 class FrameFit:
     """One reconstructed instant of the cycle.
 
-    outline_noise_mm: standard deviation of what outlines that cross miss each other by, beyond what
+    contour_noise_mm: standard deviation of what outlines that cross miss each other by, beyond what
         shifts explain; None where none cross.
     unremeshed: the surfaces before remeshing, where a target edge length was asked for; else none.
     """
@@ -71,7 +71,7 @@ class FrameFit:
     surfaces: Mapping[Structure, SurfaceMesh]
     slices: tuple[SliceFit, ...]
     levels: tuple[LevelFit, ...]
-    outline_noise_mm: float | None = None
+    contour_noise_mm: float | None = None
     unremeshed: Mapping[Structure, SurfaceMesh] = field(default_factory=dict)
 
 

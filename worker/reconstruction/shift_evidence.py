@@ -20,7 +20,7 @@ class ShiftEvidence:
     motion: unit lengths, unit lengths, radians right-handed about the slice's pivot. precision: its
     inverse covariance, the prior included. crossings: how many points of long-axis outlines it
     rests on. settled: whether it is known so well that a field has nothing to add. displaced:
-    whether slices are to be moved at all. outline_noise: standard deviation of what outlines that
+    whether slices are to be moved at all. contour_noise: standard deviation of what outlines that
     cross are apart by, beyond the shifts; None where none cross.
     """
 
@@ -29,7 +29,7 @@ class ShiftEvidence:
     crossings: Int[np.ndarray, " slices"]
     settled: Bool[np.ndarray, " slices"]
     displaced: bool
-    outline_noise: float | None = None
+    contour_noise: float | None = None
 
     def deviations(self) -> Float[np.ndarray, " slices"]:
         """Standard deviation of each shift along its least certain direction, unit lengths.
@@ -41,10 +41,10 @@ class ShiftEvidence:
     def in_place(self, prior: float) -> "ShiftEvidence":
         """The same outlines on slices that may not move: what shifts explained is noise, too."""
         still = no_evidence(len(self.motion), prior)
-        if self.outline_noise is None:
+        if self.contour_noise is None:
             return still
         shifts = self.motion[self.crossings > 0, :2]
-        return replace(still, outline_noise=math.hypot(self.outline_noise, _rms(shifts)))
+        return replace(still, contour_noise=math.hypot(self.contour_noise, _rms(shifts)))
 
 
 def _rms(shifts: Float[np.ndarray, "k 2"]) -> float:

@@ -102,7 +102,7 @@ def report() -> Report:
     frame = FrameReport(
         label="ED",
         time_ms=None,
-        outline_noise_mm=0.456,
+        contour_noise_mm=0.456,
         surfaces={Structure.LV_ENDO: surface},
         left_ventricle=LeftVentricleReport(
             long_axis_length_mm=91.5,

@@ -226,9 +226,9 @@ def stack(*, long_axis: bool) -> FrameFit:
 
 
 def test_views_that_contradict_each_other_are_told_of() -> None:
-    unsteady = replace(frame("ED", 30.0), outline_noise_mm=1.5)
+    unsteady = replace(frame("ED", 30.0), contour_noise_mm=1.5)
     report = report_of(unsteady, frame("ES", 20.0))
-    assert [one.outline_noise_mm for one in report.frames] == [1.5, None]
+    assert [one.contour_noise_mm for one in report.frames] == [1.5, None]
     assert [w[:3] for w in report.warnings if "1.5 mm, beyond" in w] == ["ED:"]
 
 

@@ -6,18 +6,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from worker.evaluation.plane_overlap import PlaneOutline, enclosed, plane_dice
+from schemas.vocabulary import View
+from worker.evaluation.plane_overlap import enclosed, plane_dice
+from worker.evaluation.support import AlignedOutline
 from worker.surface_mesh import SurfaceMesh
 
 Z = np.array([0.0, 0.0, 1.0])
 ORIGIN = np.zeros(3)
 
 
+def outline(points_mm: np.ndarray, closed: bool) -> AlignedOutline:
+    return AlignedOutline("sax-00", View.SAX, points_mm, closed)
+
+
 def circle(radius_mm: float, centre: tuple[float, float] = (0.0, 0.0), z: float = 0.0):
     angle = np.linspace(0.0, 2.0 * np.pi, 720, endpoint=False)
     x, y = centre
     points = [x + radius_mm * np.cos(angle), y + radius_mm * np.sin(angle), np.full(720, z)]
-    return PlaneOutline(np.column_stack(points), closed=True)
+    return outline(np.column_stack(points), True)
 
 
 def square(side: float, corner: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
@@ -55,8 +61,8 @@ def test_beyond_the_chord_of_an_open_outline_nothing_is_asked(sphere) -> None:
     """An arc over three quarters of a circle's height is closed by a chord, and so is the cut."""
     angle = np.linspace(np.radians(-210.0), np.radians(30.0), 400)
     arc = 20.0 * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(400)])
-    assert plane_dice(sphere, [PlaneOutline(arc, False)], ORIGIN, Z) == pytest.approx(1.0, abs=2e-3)
-    closed = plane_dice(sphere, [PlaneOutline(arc, True)], ORIGIN, Z)
+    assert plane_dice(sphere, [outline(arc, False)], ORIGIN, Z) == pytest.approx(1.0, abs=2e-3)
+    closed = plane_dice(sphere, [outline(arc, True)], ORIGIN, Z)
     share = (2.0 / 3.0 * np.pi + np.sin(np.radians(120.0)) / 2.0) / np.pi
     assert closed == pytest.approx(2.0 * share / (1.0 + share), abs=2e-3)
 
@@ -67,11 +73,11 @@ def test_moving_everything_changes_nothing(sphere) -> None:
         np.array([300.0, -80.0, 9]),
     )
     moved = SurfaceMesh(sphere.vertices_mm @ turn.T + shift, sphere.faces)
-    outline = circle(18.0, (3.0, 1.0), 4.0)
-    here = plane_dice(sphere, [outline], np.array([0.0, 0.0, 4.0]), Z)
+    given = circle(18.0, (3.0, 1.0), 4.0)
+    here = plane_dice(sphere, [given], np.array([0.0, 0.0, 4.0]), Z)
     there = plane_dice(
         moved,
-        [PlaneOutline(outline.points_mm @ turn.T + shift, True)],
+        [outline(given.points_mm @ turn.T + shift, True)],
         turn @ np.array([0.0, 0.0, 4.0]) + shift,
         7.0 * turn @ Z,
     )

@@ -214,8 +214,8 @@ def test_without_long_axis_slices_there_is_the_prior_alone(concentric_spheres) -
     evidence = crossing_evidence(stack, 0.09, 0.007)
     assert not evidence.motion.any()
     assert not evidence.crossings.any()
-    assert evidence.outline_noise is None
-    assert evidence.in_place(0.09).outline_noise is None
+    assert evidence.contour_noise is None
+    assert evidence.in_place(0.09).contour_noise is None
     np.testing.assert_array_equal(
         evidence.precision, np.tile(prior_precision(0.09, False), (len(stack.slices), 1, 1))
     )
@@ -284,7 +284,7 @@ def test_an_unsteady_hand_is_not_taken_for_breath_holds(noise_mm: float) -> None
     assert not found.evidence.displaced
     assert not found.evidence.motion.any()
     # Both outlines that cross are unsteady.
-    assert found.evidence.outline_noise * found.unit_mm == pytest.approx(
+    assert found.evidence.contour_noise * found.unit_mm == pytest.approx(
         2.0**0.5 * noise_mm, rel=0.25
     )
 
@@ -294,7 +294,7 @@ def test_an_unsteady_hand_hides_no_breath_holds() -> None:
     sliced = slice_meshes(heart(0.0).meshes(2.0), plan)
     found = Found(sliced.study)
     assert found.evidence.displaced
-    assert found.evidence.outline_noise * found.unit_mm == pytest.approx(0.5 * 2.0**0.5, rel=0.3)
+    assert found.evidence.contour_noise * found.unit_mm == pytest.approx(0.5 * 2.0**0.5, rel=0.3)
     errors = [
         np.linalg.norm(found.shifts_mm[name] - shift)
         for name, shift in sliced.true_shifts_mm.items()
@@ -311,8 +311,8 @@ def test_slices_that_may_not_move_disagree_by_their_shifts(concentric_spheres) -
     assert not still.motion.any()
     crossed = [k for k in SHIFTS_MM if found.crossings[f"sax-{k:02d}"]]
     rms_mm = np.sqrt(np.mean([np.square(SHIFTS_MM[k]).mean() for k in crossed]))
-    assert found.evidence.outline_noise * found.unit_mm < 0.1
-    assert still.outline_noise * found.unit_mm == pytest.approx(rms_mm, rel=0.1)
+    assert found.evidence.contour_noise * found.unit_mm < 0.1
+    assert still.contour_noise * found.unit_mm == pytest.approx(rms_mm, rel=0.1)
 
 
 def test_what_one_long_axis_slice_leaves_unseen_makes_its_shifts_no_smaller() -> None:

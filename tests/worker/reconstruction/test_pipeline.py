@@ -96,8 +96,8 @@ def test_breath_hold_shifts_are_found(concentric_spheres) -> None:
     unaligned = Options(align_slices=False)
     (stubborn,) = reconstruct(study, unaligned).frames
     assert not any(np.any(s.shift_mm) for s in stubborn.slices)
-    assert frame.outline_noise_mm < 0.1
-    assert stubborn.outline_noise_mm == pytest.approx(2.5, rel=0.3)
+    assert frame.contour_noise_mm < 0.1
+    assert stubborn.contour_noise_mm == pytest.approx(2.5, rel=0.3)
 
 
 @pytest.mark.slow
@@ -108,11 +108,11 @@ def test_the_hands_of_many_slices_are_averaged() -> None:
 
     def error_mm(**loss: float) -> float:
         (frame,) = reconstruct(study, Options.model_validate({"loss": loss})).frames
-        assert frame.outline_noise_mm == pytest.approx(2.0**0.5, rel=0.25)
+        assert frame.contour_noise_mm == pytest.approx(2.0**0.5, rel=0.25)
         means = [surface_to_surface(frame.surfaces[s], truth[s]).mean_mm for s in truth]
         return float(np.mean(means))
 
-    assert error_mm() < 0.9 * error_mm(outline_noise_mm=0.0)
+    assert error_mm() < 0.9 * error_mm(contour_noise_mm=0.0)
 
 
 def sax_fits(frame) -> list:

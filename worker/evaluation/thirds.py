@@ -1,20 +1,16 @@
-"""A surface in three parts: apical, middle and basal third of the truth along the long axis."""
+"""A surface in three parts: apical, middle and basal third of its extent along the long axis."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
 
-from schemas.vocabulary import Structure, View
 from worker.arrays import Points, Scalars, Vector
-from worker.phantom.long_axis import long_axis
-from worker.reconstruction.slice_stack import SliceStack
 from worker.surface_mesh import SurfaceMesh
 
 
 class Region(StrEnum):
-    """A third of the truth's extent, in the order of the long axis."""
+    """A third of a surface's extent, in the order of the long axis."""
 
     APEX = "apex"
     MID = "mid"
@@ -25,7 +21,7 @@ class Region(StrEnum):
 class Thirds:
     """Two planes across the long axis, at heights (2,) in mm along the unit vector (3,).
 
-    What lies beyond the truth's ends belongs to the apex or the base.
+    What lies beyond the surface's ends belongs to the apex or the base.
     """
 
     towards_base: Vector
@@ -52,21 +48,10 @@ class Thirds:
         return -np.diff([*above, 0.0]) / 1000.0
 
 
-def thirds(truth: SurfaceMesh, towards_base: Vector) -> Thirds:
-    """The thirds of a true surface's extent along a unit vector."""
-    heights = truth.vertices_mm @ towards_base
+def thirds(mesh: SurfaceMesh, towards_base: Vector) -> Thirds:
+    """The thirds of a surface's extent along a unit vector."""
+    heights = mesh.vertices_mm @ towards_base
     return Thirds(towards_base, np.linspace(heights.min(), heights.max(), 4)[1:3])
-
-
-def apex_to_base(stack: SliceStack, truth: Mapping[Structure, SurfaceMesh]) -> Vector:
-    """The unit normal (3,) of a stack's short-axis slices, turned from apex to base.
-
-    The base is the end where the true LV is blunter. Without short-axis slices: the LV's own axis.
-    """
-    own = long_axis(truth).towards_base
-    normals = [s.normal * np.sign(s.normal @ own) for s in stack.slices if s.view is View.SAX]
-    mean = np.mean(normals, axis=0) if normals else own
-    return mean / np.linalg.norm(mean)
 
 
 def mean_excess(heights: np.ndarray) -> Scalars:
