@@ -32,6 +32,7 @@ test: install
 # CASES=DIR adds cases with references: DIR/*/contours.json and reference/{surface}.ply
 bench: install
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	$(BIN)/python -m benchmarks.holdout $(if $(CASES),--cases '$(CASES)')
 	$(BIN)/python -m benchmarks $(if $(CASES),--cases '$(CASES)')
 
 lint: install

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from benchmarks.cases import folders, is_chosen, phantoms
 from benchmarks.environment import environment
+from benchmarks.holdout_results import HoldoutResults
 from benchmarks.measure import ROOT
 from benchmarks.methods import BY_NAME, METHODS
 from benchmarks.page import page
@@ -37,7 +38,13 @@ def main() -> None:
         results = _measured(arguments)
         file.write_text(results.model_dump_json(indent=1, exclude_none=True) + "\n")
     plots = {name: f"{folder.name}/{plot.name}" for name, plot in draw(results, folder).items()}
-    (arguments.out / "benchmarks.md").write_text(page(results, plots))
+    (arguments.out / "benchmarks.md").write_text(page(results, plots, _left_out(folder)))
+
+
+def _left_out(folder: Path) -> HoldoutResults | None:
+    """What `benchmarks.holdout` measured, in a run of its own."""
+    file = folder / "holdout.json"
+    return HoldoutResults.model_validate_json(file.read_bytes()) if file.is_file() else None
 
 
 def _measured(arguments: argparse.Namespace) -> Results:

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from cli.mesh_file import read_surface
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from worker.arrays import Vector
+from worker.mesh_file import read_surface
 from worker.phantom import SlicingPlan, heart, slice_meshes
 from worker.surface_mesh import SurfaceMesh
 

@@ -1,17 +1,22 @@
 """docs/benchmarks.md: tables and plots of one run, each with how to read it."""
 
 from pathlib import Path
+from statistics import median
 
+from benchmarks.holdout_results import HoldoutResults
 from benchmarks.methods import BY_NAME, OURS, RIVALS, UNALIGNED
 from benchmarks.results import Environment, Results
-from benchmarks.tables import comparison, cost, overview
+from benchmarks.tables import comparison, cost, holdout, overview
 from benchmarks.tables.case_by_case import case_by_case
+from benchmarks.tables.markdown import folded
 
 _TEMPLATE = Path(__file__).with_name("page.md.template")
 
 
-def page(results: Results, plots: dict[str, str]) -> str:
-    """The whole page. plots: by name the file of each plot, as a link from the page."""
+def page(results: Results, plots: dict[str, str], left_out: HoldoutResults | None = None) -> str:
+    """The whole page. plots: by name the file of each plot, as a link from the page. left_out: of
+    a run of its own.
+    """
     figures = _figures(plots)
     return _TEMPLATE.read_text().format(
         environment=_environment(results.environment),
@@ -30,6 +35,7 @@ def page(results: Results, plots: dict[str, str]) -> str:
         cases=overview.cases(results),
         failures=overview.failures(results),
         case_by_case=case_by_case(results),
+        holdout=_holdout(left_out),
         error_plot=figures.get("error", ""),
         time_plot=figures.get("time", ""),
     )
@@ -45,6 +51,15 @@ def _against(results: Results, rival: str, figures: dict[str, str]) -> str:
         comparison.against(results, rival),
     ]
     return "\n\n".join(part for part in parts if part)
+
+
+def _holdout(left_out: HoldoutResults | None) -> str:
+    if left_out is None:
+        return "Not measured in this run."
+    times = median(row.times_plain_fit for row in left_out.surfaces)
+    cost = f"Leaving out every slice took {times:.1f} times a plain reconstruction (median)."
+    rows = folded("Every surface", holdout.by_surface(left_out))
+    return "\n\n".join([holdout.in_short(left_out), cost, rows])
 
 
 def _figures(plots: dict[str, str]) -> dict[str, str]:

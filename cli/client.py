@@ -49,16 +49,17 @@ class Client:
 
     def submit(self, given: ContourInput | LabelInput) -> Job:
         """Send a subject. Not repeated on a lost connection: it may have been accepted."""
-        if isinstance(given, ContourInput):
+        if isinstance(given, ContourInput) and not given.references:
             body = given.request.model_dump(mode="json", exclude_unset=True)
             return _fitting(Job, self._call("POST", "/v1/jobs/contours", json=body))
+        address = "/v1/jobs/contours" if isinstance(given, ContourInput) else "/v1/jobs/labels"
         request = given.request.model_dump_json(exclude_unset=True)
         with ExitStack() as opened:
             parts: dict[str, Any] = {"request": (None, request, "application/json")}
-            for view, path in given.files.items():
+            for name, path in _files_of(given).items():
                 file = opened.enter_context(path.open("rb"))
-                parts[view.value] = (path.name, file, "application/octet-stream")
-            return _fitting(Job, self._call("POST", "/v1/jobs/labels", files=parts))
+                parts[name] = (path.name, file, "application/octet-stream")
+            return _fitting(Job, self._call("POST", address, files=parts))
 
     def job(self, job_id: str) -> Job:
         return _fitting(Job, self._call("GET", f"/v1/jobs/{job_id}"))
@@ -146,6 +147,15 @@ class Client:
             "`neuralmri serve`, or name another with --server",
             status=503,
         )
+
+
+def _files_of(given: ContourInput | LabelInput) -> dict[str, Path]:
+    """What goes as a file, by the name of its part."""
+    from intake.references import reference_part
+
+    maps = given.files if isinstance(given, LabelInput) else {}
+    references = {reference_part(surface): path for surface, path in given.references.items()}
+    return {view.value: path for view, path in maps.items()} | references
 
 
 def _parsed(server: str) -> httpx.URL:

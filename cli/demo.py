@@ -98,9 +98,9 @@ def _judge(what: str, folder: Path, truth: "Truth") -> None:
     """What was found beside what is true."""
     from rich.table import Table
 
-    from cli.mesh_file import read_surface
     from worker.evaluation.distance import surface_to_surface
     from worker.evaluation.size import volume_ml
+    from worker.mesh_file import read_surface
 
     table = Table(title=f"Phantom from {what}, against its truth", title_justify="left")
     table.add_column("surface")

@@ -8,11 +8,15 @@ import typer
 from rich.table import Table
 
 from cli.console import result_console, say_json
-from cli.mesh_file import read_surface
+from schemas.problem import InputError, ProblemType
 
 if TYPE_CHECKING:
     from worker.evaluation.comparison import Comparison
     from worker.evaluation.curvature_comparison import CurvatureComparison
+    from worker.evaluation.distance import SurfaceDistance
+    from worker.evaluation.point_set_distance import PointSetDistance
+    from worker.evaluation.rigid_placement import RigidPlacement
+    from worker.surface_mesh import SurfaceMesh
 
 
 def evaluate(
@@ -30,6 +34,14 @@ def evaluate(
             max=10.0,
         ),
     ] = None,
+    align: Annotated[
+        bool,
+        typer.Option(
+            "--align",
+            help="Lay the mesh rigidly onto the reference first, and say by which motion. Hides "
+            "what is displaced or turned as a whole.",
+        ),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON for machines.")] = False,
 ) -> None:
     """Measure the distance between two surfaces, their volumes and their triangles.
@@ -38,13 +50,29 @@ def evaluate(
     both ways. The method's point-set forms are given beside them, and on request curvature.
     """
     from worker.evaluation.comparison import compared
+    from worker.mesh_file import read_surface
 
     own, other = read_surface(mesh), read_surface(reference)
+    placement = _placement(own, other) if align else None
+    if placement is not None:
+        own = placement.moved(own)
     comparison = compared(own, other, samples, seed, curvature_edge_mm)
     if as_json:
-        say_json({key: _finite(part) for key, part in asdict(comparison).items()})
+        measured = {key: _finite(part) for key, part in asdict(comparison).items()}
+        say_json(measured | {"placement": _motion(placement)})
         return
-    for table in (_distances(comparison), _point_sets(comparison), _surfaces(comparison)):
+    if placement is not None:
+        x, y, z = placement.translation_mm
+        result_console.print(
+            f"Laid onto the reference: turned by {placement.rotation_deg:.3f} degrees, its "
+            f"centroid moved by ({x:.3f}, {y:.3f}, {z:.3f}) mm."
+        )
+    for table in (
+        _distances(comparison),
+        _point_sets(comparison),
+        _directed_point_sets(comparison),
+        _surfaces(comparison),
+    ):
         result_console.print(table)
     if comparison.curvature is not None:
         result_console.print(_curvature(comparison.curvature))
@@ -52,16 +80,47 @@ def evaluate(
         result_console.print("Curvature is not compared: both surfaces must be closed.")
 
 
+def _placement(mesh: "SurfaceMesh", reference: "SurfaceMesh") -> "RigidPlacement":
+    from worker.evaluation.rigid_placement import rigid_placement
+    from worker.evaluation.size import area_cm2
+
+    for name, one in (("mesh", mesh), ("reference", reference)):
+        if not area_cm2(one) > 0.0:
+            raise InputError(
+                ProblemType.INVALID_REQUEST,
+                f"The {name} has no triangle with area; export the surface again.",
+            )
+    return rigid_placement(mesh, reference)
+
+
+def _motion(placement: "RigidPlacement | None") -> dict[str, object] | None:
+    if placement is None:
+        return None
+    return {
+        "rotation_deg": placement.rotation_deg,
+        "translation_mm": placement.translation_mm.tolist(),
+    }
+
+
 def _distances(comparison: "Comparison") -> Table:
     exact = comparison.surface_distance
-    table = Table("mm", "mean", "RMS", "p95", "max", title="Exact surface distance")
-    for name, way in (
-        ("mesh to reference", exact.to_reference),
-        ("reference to mesh", exact.from_reference),
-    ):
-        table.add_row(name, *_numbers(way.mean_mm, way.rms_mm, way.p95_mm, way.max_mm))
+    table = _both_ways("Exact surface distance", exact)
     both = (exact.mean_mm, exact.rms_mm, exact.hausdorff95_mm, exact.hausdorff_mm)
     table.add_row("both", *_numbers(*both), style="bold")
+    return table
+
+
+def _directed_point_sets(comparison: "Comparison") -> Table:
+    return _both_ways("Directed distances between these points", comparison.point_set_distance)
+
+
+def _both_ways(title: str, found: "SurfaceDistance | PointSetDistance") -> Table:
+    table = Table("mm", "mean", "RMS", "p95", "max", title=title)
+    for name, way in (
+        ("mesh to reference", found.to_reference),
+        ("reference to mesh", found.from_reference),
+    ):
+        table.add_row(name, *_numbers(way.mean_mm, way.rms_mm, way.p95_mm, way.max_mm))
     return table
 
 

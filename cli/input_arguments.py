@@ -50,6 +50,15 @@ SpacingChoice = Annotated[
     Spacing,
     typer.Option("--spacing", help="Whom to believe about the voxel size.", rich_help_panel=_MAPS),
 ]
+References = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--reference",
+        metavar="[SURFACE=]FILE",
+        help="Hold a surface against its truth: STL, OBJ or PLY in mm, in the study's axes, as in "
+        "ED_lv_endo=truth.ply, or a file called ED_lv_endo. Give it once a surface.",
+    ),
+]
 JsonFlag = Annotated[bool, typer.Option("--json", help="Print one JSON document, for machines.")]
 
 

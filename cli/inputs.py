@@ -1,12 +1,13 @@
 """What `reconstruct` and `submit` are given, read: a contour study or label maps, and options."""
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
 from cli.input_arguments import LabelArguments
+from cli.references import reference_files
 from schemas.base import WireModel
 from schemas.labels import LabelRequest, LabelScheme, TissueLabels
 from schemas.messages import ContourRequest
@@ -24,6 +25,8 @@ class ContourInput:
 
     request: ContourRequest
     pointer: str
+    references: Mapping[str, Path] = field(default_factory=dict)
+    """Mesh files by the surface that each is the truth of."""
 
     @property
     def subject_id(self) -> str:
@@ -36,6 +39,8 @@ class LabelInput:
 
     request: LabelRequest
     files: Mapping[View, Path]
+    references: Mapping[str, Path] = field(default_factory=dict)
+    """Mesh files by the surface that each is the truth of."""
 
     @property
     def subject_id(self) -> str:
@@ -43,9 +48,22 @@ class LabelInput:
 
 
 def read_input(
+    study_file: Path | None,
+    maps: LabelArguments,
+    options_file: Path | None,
+    references: Sequence[str] = (),
+) -> ContourInput | LabelInput:
+    """What the command line names. Raises InputError, also for both or neither.
+
+    `references` are the arguments that name meshes, see `reference_files`.
+    """
+    files = reference_files(references)
+    return replace(_read_subject(study_file, maps, options_file), references=files)
+
+
+def _read_subject(
     study_file: Path | None, maps: LabelArguments, options_file: Path | None
 ) -> ContourInput | LabelInput:
-    """What the command line names. Raises InputError, also for both or neither."""
     options = None
     if options_file is not None:
         options = _parsed(options_file.read_bytes(), Options)

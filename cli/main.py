@@ -9,6 +9,7 @@ from typing import NoReturn
 
 import typer
 
+from cli.ablate import ablate
 from cli.console import complain
 from cli.demo import demo
 from cli.evaluate import evaluate
@@ -35,6 +36,7 @@ app.command()(serve)
 app.command()(reconstruct)
 app.command()(submit)
 app.command()(evaluate)
+app.command()(ablate)
 app.command("slice")(slice_)
 app.command()(phantom)
 app.command()(demo)

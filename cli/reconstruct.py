@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from cli.console import say, say_json
+from cli.effort import tell_effort
 from cli.input_arguments import (
     FrameLabels,
     InputArgument,
@@ -18,6 +19,7 @@ from cli.input_arguments import (
     Lax3File,
     Lax4File,
     OptionsFile,
+    References,
     SaxFile,
     SpacingChoice,
     SubjectId,
@@ -44,6 +46,7 @@ def reconstruct(
     threads: Annotated[
         int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
     ] = 1,
+    reference: References = None,
     as_json: JsonFlag = False,
 ) -> None:
     """Reconstruct one subject here and now, and write the same artifacts as a job."""
@@ -51,12 +54,12 @@ def reconstruct(
         label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
     )
     bind_libraries(threads)
-    given = read_input(study, maps, options)
+    given = read_input(study, maps, options, reference or ())
 
     # The science, and only now: it takes seconds to load.
     from intake.settings import LimitSettings
     from worker.artifacts.manifest import write_manifest
-    from worker.reading import read_contours, read_labels
+    from worker.reading import read_contours, read_labels, with_references
     from worker.subject import run
 
     limits = LimitSettings().limits()
@@ -64,10 +67,13 @@ def reconstruct(
         reading, pointer = read_contours(given.request), given.pointer
     else:
         reading, pointer = read_labels(given.files, given.request, limits), "/study"
+    reading = with_references(reading, given.references, limits, pointer=pointer)
     out.mkdir(parents=True, exist_ok=True)
     # Beside its destination, so that what is there stays whole until the new is complete.
     with tempfile.TemporaryDirectory(prefix=".neuralmri-", dir=out) as folder:
         staging = Path(folder)
+        if not as_json:
+            tell_effort(reading.study, reading.options)
         with progress_bar(reading.study.subject_id, quiet=as_json) as bar:
             finished = run(
                 reading.study,
@@ -76,6 +82,7 @@ def reconstruct(
                 threads=threads,
                 input_sha256=reading.input_sha256,
                 warnings=reading.warnings,
+                references=reading.references,
                 observer=bar,
                 pointer=pointer,
                 limits=limits,

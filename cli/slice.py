@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import say, say_json
-from cli.mesh_file import read_surface
 from cli.slicing_arguments import (
     LongAxisSlices,
     Margin,
@@ -86,6 +85,8 @@ def slice_(
 
 def _frames(named: Iterable[str], default_label: str) -> dict[str, dict[Structure, "SurfaceMesh"]]:
     """Surfaces by frame label and structure, in the order given."""
+    from worker.mesh_file import read_surface
+
     frames: dict[str, dict[Structure, SurfaceMesh]] = {}
     for argument in named:
         name, given, file = argument.partition("=")

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from cli.console import notice_console, say, say_json
+from cli.effort import tell_effort
 from cli.input_arguments import (
     FrameLabels,
     InputArgument,
@@ -16,11 +17,12 @@ from cli.input_arguments import (
     Lax3File,
     Lax4File,
     OptionsFile,
+    References,
     SaxFile,
     SpacingChoice,
     SubjectId,
 )
-from cli.inputs import read_input
+from cli.inputs import ContourInput, read_input
 from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 
@@ -43,6 +45,7 @@ def submit(
     subject_id: SubjectId = "subject",
     frame_labels: FrameLabels = None,
     spacing: SpacingChoice = Spacing.AUTO,
+    reference: References = None,
     as_json: JsonFlag = False,
 ) -> None:
     """Send one subject to a server; with --wait follow it and fetch the results."""
@@ -56,8 +59,10 @@ def submit(
     maps = LabelArguments(
         label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
     )
-    given = read_input(study, maps, options)
+    given = read_input(study, maps, options, reference or ())
     with Client(server) as client:
+        if not as_json and isinstance(given, ContourInput):
+            tell_effort(given.request.study, given.request.options)
         job = client.submit(given)
         if not as_json:
             notice_console.print(

@@ -7,7 +7,7 @@ import numpy as np
 
 from schemas.labels import LabelScheme
 from schemas.vocabulary import Axes, View
-from worker.artifacts.report import mesh_name
+from worker.artifacts.frame_report import mesh_name
 from worker.phantom.analytic_heart import heart
 from worker.phantom.label_map import write_label_maps
 from worker.surface_mesh import SurfaceMesh

@@ -37,6 +37,10 @@ class Limits:
     """Arrays and objects inside one another."""
     max_json_values: int = 2_000_000
     """Numbers, strings, arrays and objects of a JSON document, counted before it is parsed."""
+    max_references: int = 64
+    """Reference meshes of a request."""
+    max_mesh_triangles: int = 2_000_000
+    """Triangles of one reference mesh."""
 
 
 def check_size(study: ContourStudy, limits: Limits, pointer: str = "/study") -> None:

@@ -46,6 +46,12 @@ class LimitSettings(BaseSettings):
         le=8 * _GIB,
         description="Bytes of one label map after decompression.",
     )
+    max_mesh_triangles: int = Field(
+        default=Limits.max_mesh_triangles,
+        ge=100,
+        le=100_000_000,
+        description="Triangles of one reference mesh.",
+    )
 
     def limits(self) -> Limits:
         """The bounds as values; those that no operator needs to move are the defaults."""

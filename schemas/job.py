@@ -55,6 +55,7 @@ class Stage(StrEnum):
     READING = "reading"
     FITTING = "fitting"
     MESHING = "meshing"
+    REFITTING = "refitting"
     MEASURING = "measuring"
     WRITING = "writing"
     DONE = "done"

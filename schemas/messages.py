@@ -28,7 +28,8 @@ class JobRequest(WireModel):
     """`request.json` in the job's folder: all that is needed to do, or redo, the job.
 
     A contour job's body is in `contours`; a label job's in `labels`, and its uploaded maps are
-    files in `inputs/`, named by `files`.
+    files in `inputs/`, named by `files`. So are the reference meshes of either, by `references`,
+    which maps the name of the surface that each is the truth of (`ED_lv_endo`) to its file.
     """
 
     job_id: str
@@ -37,6 +38,7 @@ class JobRequest(WireModel):
     contours: ContourRequest | None = None
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
+    references: dict[str, str] = Field(default_factory=dict)
 
 
 class Outcome(WireModel):

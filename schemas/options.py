@@ -5,7 +5,7 @@ out; what a request names wins.
 """
 
 from enum import StrEnum
-from typing import Any, Literal, Self
+from typing import Any, Self
 
 from pydantic import Field, model_validator
 
@@ -130,6 +130,33 @@ class MeshOptions(WireModel):
     )
 
 
+class Holdout(StrEnum):
+    """How the error between slices is estimated without a reference."""
+
+    NONE = "none"
+    LEAVE_ONE_SLICE_OUT = "leave_one_slice_out"
+
+
+class ReferenceOptions(WireModel):
+    """How surfaces are held against references that were sent along. Nothing here moves a mesh."""
+
+    align: bool = Field(
+        default=False,
+        description="Lay each surface rigidly onto its reference before measuring. Hides what is "
+        "displaced or turned as a whole.",
+    )
+    samples: int = Field(
+        default=20_000, ge=100, le=200_000, description="Points measured on either surface."
+    )
+    curvature_edge_mm: float | None = Field(
+        default=2.0,
+        ge=0.5,
+        le=10.0,
+        description="Edge length, mm, to which both are remeshed to compare how they bend. null: "
+        "not compared, which saves seconds a surface.",
+    )
+
+
 class Options(WireModel):
     """Everything a caller may choose about a reconstruction."""
 
@@ -158,7 +185,19 @@ class Options(WireModel):
         "within one edge. Not finer than `mesh.grid_mm`. Left out, triangles are as they come from "
         "the grid, slivers among them.",
     )
-    holdout: Literal["none"] = "none"
+    holdout: Holdout = Field(
+        default=Holdout.NONE,
+        description="leave_one_slice_out: fit again without each slice, in turn, and measure how "
+        "far its contours are from that surface. Costs half a fit for each slice: with 15 slices "
+        "about eight times the work.",
+    )
+    ensemble: int = Field(
+        default=0,
+        ge=0,
+        le=16,
+        description="How many more fits, with other seeds, to tell from their spread how certain "
+        "every vertex is. Each costs as long as the fit itself.",
+    )
     compare_with: list[str] = Field(
         default_factory=list, max_length=0, description="Reserved: no method is offered yet."
     )
@@ -168,6 +207,7 @@ class Options(WireModel):
     loss: LossOptions = Field(default_factory=LossOptions)
     alignment: AlignmentOptions = Field(default_factory=AlignmentOptions)
     mesh: MeshOptions = Field(default_factory=MeshOptions)
+    reference: ReferenceOptions = Field(default_factory=ReferenceOptions)
 
     @model_validator(mode="after")
     def _step_is_short(self) -> Self:

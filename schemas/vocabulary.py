@@ -1,6 +1,10 @@
 """The words of the trade that cross a wire: structures, views, units, axes, formats."""
 
 from enum import StrEnum
+from typing import Literal
+
+ViewKind = Literal["short_axis", "long_axis", "other"]
+"""How a slice lies to the heart."""
 
 
 class Structure(StrEnum):
@@ -24,7 +28,13 @@ class View(StrEnum):
 
     @property
     def is_long_axis(self) -> bool:
-        return self in (View.LAX_2CH, View.LAX_3CH, View.LAX_4CH)
+        return self.kind == "long_axis"
+
+    @property
+    def kind(self) -> ViewKind:
+        if self in (View.SAX, View.OTHER):
+            return "short_axis" if self is View.SAX else "other"
+        return "long_axis"
 
 
 class Units(StrEnum):

@@ -5,14 +5,17 @@ from fastapi import Request
 from schemas.problem import InputError, ProblemType
 
 
-def require_media_type(request: Request, media_type: str) -> None:
-    """Raise InputError (unsupported media type, 415) for a body of another type or encoding."""
+def require_media_type(request: Request, *media_types: str) -> str:
+    """Which of `media_types` the body is.
+
+    Raises InputError (unsupported media type, 415) for a body of another type or encoding.
+    """
     sent = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-    if sent != media_type:
+    if sent not in media_types:
         raise InputError(
             ProblemType.UNSUPPORTED_MEDIA_TYPE,
-            f"the body is {sent or 'of no media type'}. Remedy: send {media_type}, and say so in "
-            "Content-Type.",
+            f"the body is {sent or 'of no media type'}. Remedy: send {' or '.join(media_types)}, "
+            "and say so in Content-Type.",
             status=415,
         )
     if request.headers.get("content-encoding", "identity").lower() != "identity":
@@ -21,3 +24,4 @@ def require_media_type(request: Request, media_type: str) -> None:
             "the body has a Content-Encoding. Remedy: send it as it is; label maps may be .nii.gz.",
             status=415,
         )
+    return sent

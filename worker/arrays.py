@@ -30,6 +30,9 @@ Vector = Float[np.ndarray, "3"]
 Rotation = Float[np.ndarray, "3 3"]
 """An orthonormal matrix."""
 
+Hessians = Float[np.ndarray, "n 3 3"]
+"""Second derivatives at each of as many points."""
+
 Faces = Int[np.ndarray, "m 3"]
 """Vertex indices of triangles, counter-clockwise seen from outside."""
 

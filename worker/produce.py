@@ -24,6 +24,8 @@ def produce(
         threads=threads,
         input_sha256=reading.input_sha256,
         warnings=reading.warnings,
+        references=reading.references,
+        job_id=folder.job_id,
         observer=observer,
         limits=limits,
     )

@@ -40,7 +40,18 @@ def label_maps_sha256(files: Mapping[View, Path], request: LabelRequest) -> str:
     """SHA-256 of label maps as uploaded, and of how they were to be read (options aside)."""
     digest = hashlib.sha256(request.model_dump_json(exclude={"options"}).encode())
     for view in sorted(files):
-        with files[view].open("rb") as file:
-            inner = hashlib.file_digest(file, "sha256")
-        digest.update(f"{view}={inner.hexdigest()}\n".encode())
+        digest.update(f"{view}={_file_sha256(files[view])}\n".encode())
     return digest.hexdigest()
+
+
+def with_references_sha256(input_sha256: str, references: Mapping[str, Path]) -> str:
+    """SHA-256 of a study, given its own, and of the reference meshes that came with it, by name."""
+    digest = hashlib.sha256(input_sha256.encode())
+    for name in sorted(references):
+        digest.update(f"\n{name}={_file_sha256(references[name])}".encode())
+    return digest.hexdigest()
+
+
+def _file_sha256(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

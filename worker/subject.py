@@ -3,7 +3,7 @@
 The Celery task and `neuralmri reconstruct` both come here, so their meshes are the same bytes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -15,15 +15,17 @@ from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
-from worker.artifacts.evidence import SUPPORT, vertex_support_mm
-from worker.artifacts.html import render_html
+from worker.artifacts.frame_report import mesh_name
 from worker.artifacts.manifest import describe
+from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
-from worker.artifacts.report import build_report, mesh_name
+from worker.artifacts.page.html import render_html
+from worker.artifacts.report import measure, timed
 from worker.observer import Cancelled, Observer, Unobserved
 from worker.provenance import provenance, software
 from worker.reconstruction.result import Reconstruction
 from worker.stage_clock import StageClock
+from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
 
 _RECONSTRUCTED = 0.95
@@ -46,6 +48,8 @@ def run(
     threads: int,
     input_sha256: str,
     warnings: Sequence[str] = (),
+    references: Mapping[str, SurfaceMesh] | None = None,
+    job_id: str | None = None,
     observer: Observer | None = None,
     pointer: str = "/study",
     limits: Limits = DEFAULT_LIMITS,
@@ -59,6 +63,8 @@ def run(
         threads: Of the arithmetic. Part of the result: another count, other last digits.
         input_sha256: Of what the caller sent, for the report.
         warnings: What was noticed on the way to the study, for the report.
+        references: By surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
+        job_id: Said in the files, where there is a job.
         observer: Told of progress, asked whether to stop.
         pointer: Where the study stands in what the caller sent, "" for a document of its own.
         limits: Counts that the study may reach.
@@ -73,19 +79,21 @@ def run(
     admission = admit(study, options, limits, pointer=pointer)
     reconstruction = _reconstruct(study, options, threads, clock)
     _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
-    unwritten = build_report(
+    unwritten = measure(
         reconstruction,
         options=options,
         warnings=[*warnings, *admission],
-        timings_s={},
         provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
+        references=references,
+        observer=clock,
     )
     _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
-    _write_meshes(reconstruction, options, out_dir)
-    report = unwritten.model_copy(update={"timings_s": clock.timings_s()})
+    _write_meshes(unwritten, options, out_dir, job_id)
+    measured = timed(unwritten, clock.timings_s())
+    report = measured.report
     text = report.model_dump_json(indent=1) + "\n"
     (out_dir / "report.json").write_text(text, encoding="utf-8")
-    (out_dir / "report.html").write_text(render_html(report), encoding="utf-8")
+    (out_dir / "report.html").write_text(render_html(measured), encoding="utf-8")
     manifest = describe(
         out_dir,
         subject_id=study.subject_id,
@@ -113,15 +121,14 @@ def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
     observer.advanced(Progress(stage=stage, fraction=fraction))
 
 
-def _write_meshes(reconstruction: Reconstruction, options: Options, out_dir: Path) -> None:
-    for frame in reconstruction.frames:
-        support_mm = vertex_support_mm(frame)
-        for structure, mesh in frame.surfaces.items():
+def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: str | None) -> None:
+    for frame in measured.frames:
+        for structure, surface in frame.surfaces.items():
             name = mesh_name(frame.label, structure)
-            at_vertices = {SUPPORT: support_mm[structure]}
             for form in dict.fromkeys(options.formats):
                 path = out_dir / f"{name}.{form}"
-                write_mesh(path, mesh, name, reconstruction.axes, at_vertices)
+                axes = measured.report.axes
+                write_mesh(path, surface.mesh, name, axes, surface.fields, job_id=job_id)
 
 
 @dataclass(frozen=True)

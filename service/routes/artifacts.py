@@ -19,9 +19,14 @@ from service.problems import NotReadyError
 
 router = APIRouter(tags=["results"])
 
-# A report has its own style and links to the meshes beside it, which are downloads; it runs no
-# script and reaches nothing else: no network, no cookies, no frames.
-_SANDBOX = "sandbox allow-downloads; default-src 'none'; style-src 'unsafe-inline'"
+# A report has its own style, script and pictures inside, and links to the meshes beside it, which
+# are downloads. Its script draws and reaches nothing else: no network, no cookies, no storage, no
+# frames, no forms; the sandbox gives the page an origin that it shares with nothing, not with this
+# API either.
+_SANDBOX = (
+    "sandbox allow-scripts allow-downloads; default-src 'none'; style-src 'unsafe-inline'; "
+    "script-src 'unsafe-inline'; img-src data: blob:"
+)
 
 _FILE: dict[int | str, dict[str, Any]] = {
     200: {

@@ -1,47 +1,49 @@
 """POST /v1/jobs/labels."""
 
+from collections.abc import AsyncIterator
 from datetime import UTC, datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Response
+from fastapi import APIRouter, Depends, Request, Response
 
 from intake.inflate import is_gzip
 from intake.json_body import parse_json
 from intake.label_maps import check_label_maps
+from intake.references import judge_references
 from jobs.submission import submit
 from schemas.job import Job, JobKind
 from schemas.labels import LabelRequest
 from schemas.messages import JobRequest
+from schemas.vocabulary import View
 from service.accepted import ACCEPTED, announce
 from service.access import Access, Owner
 from service.documented import problems
-from service.label_upload import FILE_VIEWS, LabelUpload, receive_label_upload
+from service.form_description import form_content
+from service.form_upload import FORM, FormUpload, received_form
+from service.media_type import require_media_type
 
 router = APIRouter(tags=["submit"])
 
-_FILE = {"type": "string", "contentMediaType": "application/octet-stream"}
+_VIEWS = (View.SAX, View.LAX_2CH, View.LAX_3CH, View.LAX_4CH)
+_MAX_JSON_BYTES = 1 << 20
 _BODY: dict[str, Any] = {
     "requestBody": {
         "required": True,
         "content": {
-            "multipart/form-data": {
-                "schema": {
-                    "type": "object",
-                    "required": ["request"],
-                    "additionalProperties": False,
-                    "properties": {
-                        "request": {"$ref": "#/components/schemas/LabelRequest"},
-                        **{
-                            view.value: {**_FILE, "description": f"NIfTI label map of {view}."}
-                            for view in FILE_VIEWS
-                        },
-                    },
-                },
-                "encoding": {"request": {"contentType": "application/json"}},
-            }
+            FORM: form_content(
+                "LabelRequest", {view.value: f"NIfTI label map of {view}." for view in _VIEWS}
+            )
         },
     }
 }
+
+
+async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]:
+    require_media_type(request, FORM)
+    async with received_form(
+        request, _VIEWS, access.settings.limits(), max_json_bytes=_MAX_JSON_BYTES
+    ) as upload:
+        yield upload
 
 
 @router.post(
@@ -51,7 +53,7 @@ _BODY: dict[str, Any] = {
     openapi_extra=_BODY,
 )
 def submit_labels(
-    upload: Annotated[LabelUpload, Depends(receive_label_upload)],
+    upload: Annotated[FormUpload, Depends(_upload)],
     access: Access,
     owner: Owner,
     response: Response,
@@ -59,14 +61,16 @@ def submit_labels(
     """Reconstruct surfaces from NIfTI label maps (.nii or .nii.gz), one file a view.
 
     The headers are judged, and the data counted, before the job is accepted; voxels are read by
-    the worker. At least one file is needed.
+    the worker. At least one label map is needed. Reference meshes may come beside them; a job
+    whose maps turn out not to give the surface of a reference fails.
     """
     limits = access.settings.limits()
     labels = parse_json(upload.request, LabelRequest, limits)
-    check_label_maps(upload.files, labels, limits)
+    maps = {View(name): file for name, file in upload.files.items()}
+    check_label_maps(maps, labels, limits)
+    references = judge_references(upload.references, limits)
     names = {
-        view: f"{view}.nii.gz" if is_gzip(file) else f"{view}.nii"
-        for view, file in upload.files.items()
+        view: f"{view}.nii.gz" if is_gzip(file) else f"{view}.nii" for view, file in maps.items()
     }
     request = JobRequest(
         job_id=access.store.new_id(),
@@ -74,8 +78,12 @@ def submit_labels(
         created_at=datetime.now(tz=UTC),
         labels=labels,
         files=names,
+        references=references,
     )
-    inputs = {names[view]: file for view, file in upload.files.items()}
+    inputs = {
+        **{names[view]: file for view, file in maps.items()},
+        **{references[surface]: file for surface, file in upload.references.items()},
+    }
     job = submit(access.store, access.records, access.queue, request, inputs, owner)
     announce(job, response, access.settings)
     return job

@@ -86,3 +86,42 @@ def test_an_open_surface_is_not_compared_in_curvature_and_says_so(spheres, tmp_p
     solid.export(tmp_path / "open.obj")
     said = run(tmp_path / "open.obj", spheres[1], "--curvature-edge-mm", 3)
     assert "both surfaces must be closed" in said
+
+
+@pytest.fixture
+def displaced(tmp_path) -> tuple[Path, Path]:
+    """An ellipsoid of three half-axes, and the same turned by 5 degrees and moved by 3 mm."""
+    solid = trimesh.creation.icosphere(subdivisions=4, radius=20.0)
+    solid.vertices *= [1.0, 1.2, 1.5]
+    solid.export(tmp_path / "true.ply")
+    solid.apply_transform(trimesh.transformations.rotation_matrix(np.radians(5.0), [1, 2, 2]))
+    solid.apply_translation([2.0, -2.0, 1.0])
+    solid.export(tmp_path / "displaced.ply")
+    return tmp_path / "displaced.ply", tmp_path / "true.ply"
+
+
+def test_a_displaced_surface_is_laid_onto_its_reference_where_that_is_asked_for(displaced):
+    as_it_lies = json.loads(run(*displaced, "--json"))
+    assert as_it_lies["placement"] is None
+    assert as_it_lies["surface_distance"]["hausdorff_mm"] > 2.0
+    laid = json.loads(run(*displaced, "--align", "--json"))
+    assert laid["surface_distance"]["hausdorff_mm"] < 0.01
+    assert laid["placement"]["rotation_deg"] == pytest.approx(5.0, abs=0.01)
+    assert laid["placement"]["translation_mm"] == pytest.approx([-2.0, 2.0, -1.0], abs=0.01)
+    said = " ".join(run(*displaced, "--align").split())
+    assert "turned by 5.000 degrees, its centroid moved by (-2.000, 2.000, -1.000) mm" in said
+
+
+def test_a_surface_without_area_cannot_be_laid_anywhere(displaced, tmp_path):
+    (tmp_path / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+    with pytest.raises(InputError, match="no triangle with area"):
+        run(tmp_path / "line.obj", displaced[1], "--align")
+
+
+def test_directed_point_set_distances_are_given(spheres):
+    found = json.loads(run(*spheres, "--json"))["point_set_distance"]
+    assert found["to_reference"]["samples"] == 20_000
+    assert found["hausdorff_mm"] == max(
+        found[way]["max_mm"] for way in ("to_reference", "from_reference")
+    )
+    assert "Directed distances" in run(*spheres)

@@ -100,6 +100,18 @@ def test_what_cannot_be_meant_is_refused_with_the_remedy(
     assert words in refused.value.detail
 
 
+def test_references_go_with_either_kind_of_input(tmp_path: Path) -> None:
+    study = written(tmp_path / "in.json", STUDY)
+    truth = tmp_path / "ED_lv_endo.ply"
+    truth.touch()
+    for given in (
+        read_input(study, maps(), None, [str(truth)]),
+        read_input(None, maps(scheme="acdc", sax=tmp_path / "sax.nii"), None, [str(truth)]),
+    ):
+        assert given.references == {"ED_lv_endo": truth}
+    assert read_input(study, maps(), None).references == {}
+
+
 @pytest.mark.parametrize("text", ["", "{", "[1, 2]", '{"study": 3}', '{"subject_id": "a"}'])
 def test_a_file_that_is_no_study_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "in.json"

@@ -50,7 +50,8 @@ def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
 def test_help_names_every_subcommand_and_loads_no_science() -> None:
     ended = run("--help")
     assert ended.returncode == 0
-    for name in ("serve", "reconstruct", "submit", "evaluate", "slice", "phantom", "demo"):
+    commands = "serve", "reconstruct", "submit", "evaluate", "ablate", "slice", "phantom", "demo"
+    for name in commands:
         assert name in ended.stdout
     code = "import cli.main, sys; print(*sys.modules)"
     loaded = subprocess.run(
@@ -69,6 +70,17 @@ def test_bad_input_ends_with_2_and_says_where_and_what_to_do(tmp_path: Path) -> 
     assert "/study" not in ended.stderr, "the file is the study; it has no key of that name"
     assert "Traceback" not in ended.stderr
     assert list((tmp_path / "out").iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["reconstruct", "submit"])
+def test_a_reference_without_a_name_says_how_to_name_it(command: str, tmp_path: Path) -> None:
+    study, truth = tmp_path / "study.json", tmp_path / "truth.ply"
+    study.write_text(json.dumps(STUDY))
+    truth.touch()
+    out = ["--out", tmp_path / "out"] if command == "reconstruct" else []
+    ended = run(command, study, *out, "--reference", truth)
+    assert ended.returncode == 2
+    assert f"--reference ED_lv_endo={truth}" in ended.stderr
 
 
 def test_bad_input_for_a_machine_is_a_problem_document_on_standard_output(tmp_path: Path) -> None:
@@ -94,7 +106,9 @@ def test_a_server_that_is_not_there_is_our_fault_and_says_what_to_do(tmp_path: P
     [
         ["reconstruct", "no-such-file.json", "--out", "out"],
         ["reconstruct", "--out", "out"],
+        ["ablate", "--out", "out"],
         ["submit", "--sax", __file__],
+        ["submit", __file__, "--reference", "no-such-file.ply"],
         ["serve", "--port", "0"],
         ["no-such-command"],
     ],

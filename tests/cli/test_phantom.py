@@ -4,13 +4,13 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from cli.mesh_file import read_surface
 from cli.phantom import phantom
 from schemas.messages import ContourRequest
 from schemas.problem import InputError
 from schemas.study import ContourStudy
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_outward
+from worker.mesh_file import read_surface
 
 app = typer.Typer()
 app.command()(phantom)

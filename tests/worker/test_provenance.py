@@ -5,7 +5,12 @@ from schemas.labels import LabelRequest, LabelScheme
 from schemas.options import Options
 from schemas.study import ContourStudy
 from schemas.vocabulary import View
-from worker.provenance import label_maps_sha256, provenance, study_sha256
+from worker.provenance import (
+    label_maps_sha256,
+    provenance,
+    study_sha256,
+    with_references_sha256,
+)
 
 STUDY = {
     "subject_id": "case-01",
@@ -54,6 +59,21 @@ def test_label_maps_are_known_by_their_bytes_their_views_and_how_they_are_read(
     assert len(set(digests)) == len(digests)
     with_options = acdc.model_copy(update={"options": Options(seed=7)})
     assert label_maps_sha256({View.SAX: one}, with_options) == digests[0]
+
+
+def test_references_are_known_by_their_bytes_and_their_surfaces(tmp_path: Path) -> None:
+    one, other = tmp_path / "one.ply", tmp_path / "other.ply"
+    one.write_bytes(b"one")
+    other.write_bytes(b"other")
+    digests = [
+        with_references_sha256("a", {"ED_epi": one}),
+        with_references_sha256("b", {"ED_epi": one}),
+        with_references_sha256("a", {"ED_epi": other}),
+        with_references_sha256("a", {"ES_epi": one}),
+        with_references_sha256("a", {"ED_epi": one, "ES_epi": other}),
+    ]
+    assert len(set(digests)) == len(digests)
+    assert with_references_sha256("a", {"ES_epi": other, "ED_epi": one}) == digests[-1]
 
 
 def test_every_library_that_computes_is_named_with_its_version() -> None:

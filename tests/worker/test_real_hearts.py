@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cli.mesh_file import read_surface
 from intake.limits import Limits
 from schemas.labels import LabelRequest
 from schemas.options import Options
@@ -17,6 +16,7 @@ from worker.evaluation.function import lv_function
 from worker.evaluation.size import volume_ml
 from worker.evaluation.topology import euler_number, is_watertight
 from worker.labelmaps.reading import read_label_maps
+from worker.mesh_file import read_surface
 from worker.reconstruction.pipeline import reconstruct
 
 DATA = Path(__file__).resolve().parents[3] / "shared" / "data"

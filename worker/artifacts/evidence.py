@@ -3,12 +3,8 @@
 from collections.abc import Mapping
 
 from schemas.vocabulary import Structure
-from worker.arrays import Scalars
-from worker.evaluation.support import AlignedOutline, distance_to_outlines_mm
+from worker.evaluation.support import AlignedOutline
 from worker.reconstruction.result import FrameFit
-
-SUPPORT = "support_mm"
-"""Name of the vertex property: distance to the nearest observed contour of the surface, mm."""
 
 
 def aligned_outlines(fit: FrameFit) -> Mapping[Structure, tuple[AlignedOutline, ...]]:
@@ -21,15 +17,3 @@ def aligned_outlines(fit: FrameFit) -> Mapping[Structure, tuple[AlignedOutline, 
                 for c in contours
             )
     return outlines
-
-
-def vertex_support_mm(fit: FrameFit) -> Mapping[Structure, Scalars]:
-    """For every surface of a frame, the support of each of its vertices, (n,) mm.
-
-    Raises InternalError for a surface that no contour was observed of.
-    """
-    outlines = aligned_outlines(fit)
-    return {
-        structure: distance_to_outlines_mm(mesh.vertices_mm, outlines.get(structure, ()))
-        for structure, mesh in fit.surfaces.items()
-    }

@@ -2,15 +2,16 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.report import LeftVentricleReport, SegmentReport
+from schemas.frame_report import LeftVentricleReport, SegmentReport
 from schemas.vocabulary import Structure, View
 from worker.arrays import Vector
 from worker.evaluation.aha_segments import NAMES, LeftVentricle
+from worker.evaluation.area_centroid import area_centroid_mm
 from worker.evaluation.chamber import (
-    centroid_mm,
     long_axis_length_mm,
     mid_area_cm2,
     sphericity,
@@ -31,17 +32,27 @@ Surfaces = Mapping[Structure, SurfaceMesh]
 Outlines = Mapping[Structure, Sequence[AlignedOutline]]
 
 
+@dataclass(frozen=True)
+class Unplaced:
+    """A ventricle whose segments cannot be told apart, and why."""
+
+    reason: str
+
+
 class _MissingError(Exception):
     """Something that a measure needs is not there; says what."""
 
 
 def left_ventricle_report(
-    surfaces: Surfaces, closed: Surfaces, outlines: Outlines, toward_base: Vector | None
+    surfaces: Surfaces,
+    closed: Surfaces,
+    toward_base: Vector | None,
+    place: LeftVentricle | Unplaced,
 ) -> LeftVentricleReport:
     """Length, roundness, mass and wall of the left ventricle.
 
-    surfaces: of the frame, mm. closed: those of them that are watertight. outlines: aligned, by
-    structure. toward_base: (3,) the short-axis normal from apex to base, None where there is none.
+    surfaces: of the frame, mm. closed: those of them that are watertight. toward_base: (3,) the
+    short-axis normal from apex to base, None where there is none. place: see `ventricle_place`.
     """
     measured: dict[str, _Measured] = {}
     reasons: dict[str, str] = {}
@@ -54,7 +65,7 @@ def left_ventricle_report(
         "wall_mass_g": lambda: wall_mass_g(
             volume_ml(_shut(surfaces, closed, _ENDO)), volume_ml(_shut(surfaces, closed, _EPI))
         ),
-        "wall_thickness_mm": lambda: _thickness(surfaces, outlines, _axis(toward_base)),
+        "wall_thickness_mm": lambda: _thickness(surfaces, place),
     }
     for name, measure in measures.items():
         try:
@@ -66,29 +77,47 @@ def left_ventricle_report(
     )
 
 
-def _thickness(surfaces: Surfaces, outlines: Outlines, axis: Vector) -> dict[int, SegmentReport]:
-    endo, epi = _present(surfaces, _ENDO), _present(surfaces, _EPI)
+def ventricle_place(
+    surfaces: Surfaces, outlines: Outlines, toward_base: Vector | None
+) -> LeftVentricle | Unplaced:
+    """Where the left ventricle lies, as its segments are told by: cavity, septum, base.
+
+    outlines: aligned, by structure. The rest as above.
+    """
+    try:
+        return _placed(surfaces, outlines, _axis(toward_base))
+    except _MissingError as missing:
+        return Unplaced(str(missing))
+
+
+def _thickness(surfaces: Surfaces, place: LeftVentricle | Unplaced) -> dict[int, SegmentReport]:
+    if isinstance(place, Unplaced):
+        raise _MissingError(place.reason)
+    return {
+        number: SegmentReport(
+            name=NAMES[number], mean_mm=part.mean_mm, min_mm=part.min_mm, max_mm=part.max_mm
+        )
+        for number, part in thickness_by_segment(surfaces[_ENDO], surfaces[_EPI], place).items()
+    }
+
+
+def _placed(surfaces: Surfaces, outlines: Outlines, axis: Vector) -> LeftVentricle:
+    endo, _ = _present(surfaces, _ENDO), _present(surfaces, _EPI)
     if _RV not in surfaces:
         raise _MissingError("Without rv_endo nothing shows where the septum is.")
     shared = _heights(outlines, _ENDO, axis).keys() & _heights(outlines, _EPI, axis).keys()
     if not shared:
         raise _MissingError("No short-axis slice shows lv_endo and lv_epi in one outline each.")
-    centre = centroid_mm(endo)
+    centre = area_centroid_mm(endo)
     apex = float((endo.vertices_mm @ axis).min())
     base = max(_heights(outlines, _ENDO, axis)[slice_id] for slice_id in shared)
     if base <= apex:
         raise _MissingError("The slices that show lv_endo and lv_epi all lie below the cavity.")
-    toward_rv = centroid_mm(surfaces[_RV]) - centre
+    toward_rv = area_centroid_mm(surfaces[_RV]) - centre
     if np.linalg.norm(np.cross(axis, toward_rv)) < _BESIDE_MM:
         raise _MissingError("rv_endo is not beside lv_endo, so nothing shows where the septum is.")
     middle = float(centre @ axis)
-    ventricle = LeftVentricle(centre, axis, toward_rv, apex - middle, base - middle)
-    return {
-        number: SegmentReport(
-            name=NAMES[number], mean_mm=part.mean_mm, min_mm=part.min_mm, max_mm=part.max_mm
-        )
-        for number, part in thickness_by_segment(endo, epi, ventricle).items()
-    }
+    return LeftVentricle(centre, axis, toward_rv, apex - middle, base - middle)
 
 
 def _sphericity(endo: SurfaceMesh, axis: Vector) -> float:

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from schemas.report import SimulationReport
+from schemas.surface_report import SimulationReport
 from schemas.vocabulary import Structure
 
 SMALLEST_ANGLE_DEG = 20.0

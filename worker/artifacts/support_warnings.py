@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from schemas.report import EndReport, SurfaceReport
+from schemas.surface_report import EndReport, SurfaceReport
 from schemas.vocabulary import Structure
 
 _NOTABLE = 0.5

@@ -1,21 +1,24 @@
 """One surface of one frame, measured."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
-from typing import Literal
 
 import numpy as np
 
-from schemas.report import (
-    DistanceSummary,
+from schemas.measures import DistanceSummary
+from schemas.reference_report import ReferenceReport
+from schemas.surface_report import (
     EndReport,
     QualityReport,
     SurfaceReport,
+    Third,
     ViewResiduals,
 )
-from schemas.vocabulary import Structure, View
+from schemas.vocabulary import Structure, ViewKind
 from worker.arrays import Scalars, Vector
+from worker.artifacts.held_out import HeldOut
+from worker.artifacts.measured import MeasuredSurface
 from worker.artifacts.simulation_gate import SurfaceFaults, simulation_report
 from worker.evaluation.distance import surface_to_surface
 from worker.evaluation.extrapolation import SurfaceEnd, slice_gap_mm, surface_ends
@@ -23,7 +26,7 @@ from worker.evaluation.quality import triangle_quality
 from worker.evaluation.residuals import Residuals, all_distances_mm, by_thirds
 from worker.evaluation.size import area_cm2, volume_ml
 from worker.evaluation.summary import histogram, summarised
-from worker.evaluation.support import area_beyond_percent, distance_to_outlines_mm
+from worker.evaluation.support import area_beyond_percent
 from worker.evaluation.topology import (
     boundary_loop_count,
     component_count,
@@ -34,37 +37,37 @@ from worker.evaluation.topology import (
 from worker.evaluation.triangle_crossings import self_intersections
 from worker.surface_mesh import SurfaceMesh
 
-_View = Literal["short_axis", "long_axis", "other"]
-_Region = Literal["apex", "mid", "base"]
-
 _SAMPLES = 10_000
 """Points measured on either surface for the distance that remeshing made."""
 
 
 def surface_report(
-    mesh: SurfaceMesh,
+    surface: MeasuredSurface,
     unremeshed: SurfaceMesh | None,
-    residuals: Sequence[Residuals],
     toward_base: Vector | None,
     crossing: Mapping[Structure, int],
+    held_out: Sequence[HeldOut],
+    reference: ReferenceReport | None,
     files: Sequence[str],
     *,
     open_base: bool,
 ) -> SurfaceReport:
-    """Size, topology, triangles, residuals and support of a surface.
+    """Size, topology, triangles, residuals, support and errors of a surface.
 
     Args:
-        mesh: The surface, in mm.
+        surface: In mm, with what is known at its vertices and its contour points.
         unremeshed: What it was before remeshing, if it was remeshed.
-        residuals: Of the outlines that it was observed by, aligned.
         toward_base: (3,) the short-axis normal from apex to base, None when there is none.
         crossing: How many of its triangles pass through each other surface.
+        held_out: Of its contours in slices that it was fitted without.
+        reference: What it was held against.
         files: Names of its files.
         open_base: Whether it is meant to have a rim at the valves.
 
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
     """
+    mesh, fields, residuals = surface.mesh, surface.fields, surface.residuals
     watertight = is_watertight(mesh)
     outlines = [one.outline for one in residuals]
     quality = _quality(mesh)
@@ -79,7 +82,7 @@ def surface_report(
         sliver_percent=quality.below_20_deg_percent,
         remeshed=unremeshed is not None,
     )
-    support_mm = distance_to_outlines_mm(mesh.vertices_mm, outlines)
+    support_mm = fields["support_mm"]
     gap_mm, ends = None, None
     if toward_base is not None:
         gap_mm = slice_gap_mm(toward_base, outlines)
@@ -99,6 +102,12 @@ def surface_report(
         contour_residual_mm=summarised(all_distances_mm(residuals)),
         contour_residual_by_view=_by_view(residuals),
         contour_residual_by_region_mm=_by_region(residuals, mesh, toward_base),
+        held_out_mm=(
+            summarised(np.concatenate([one.distances_mm for one in held_out])) if held_out else None
+        ),
+        held_out_by_view_mm=_held_out_by_view(held_out),
+        deviation_mm=summarised(fields["deviation_mm"]) if "deviation_mm" in fields else None,
+        reference=reference,
         quality=quality,
         quality_before_remeshing=_quality(unremeshed) if unremeshed else None,
         remeshing_distance_mm=_distance(mesh, unremeshed) if unremeshed else None,
@@ -113,32 +122,31 @@ def surface_report(
     )
 
 
-_VIEWS: Mapping[_View, Callable[[View], bool]] = {
-    "short_axis": lambda view: view is View.SAX,
-    "long_axis": lambda view: view.is_long_axis,
-    "other": lambda view: view is View.OTHER,
-}
-
-
-def _by_view(residuals: Sequence[Residuals]) -> dict[_View, ViewResiduals]:
-    parts = {
-        name: all_distances_mm([one for one in residuals if is_such(one.outline.view)])
-        for name, is_such in _VIEWS.items()
-    }
+def _by_view(residuals: Sequence[Residuals]) -> dict[ViewKind, ViewResiduals]:
+    parts: dict[ViewKind, list[Residuals]] = {}
+    for one in residuals:
+        parts.setdefault(one.outline.view.kind, []).append(one)
+    distances = {kind: all_distances_mm(part) for kind, part in parts.items()}
     return {
-        name: ViewResiduals(summary_mm=summarised(part), histogram=histogram(part))
-        for name, part in parts.items()
-        if len(part)
+        kind: ViewResiduals(summary_mm=summarised(part), histogram=histogram(part))
+        for kind, part in distances.items()
     }
+
+
+def _held_out_by_view(held_out: Sequence[HeldOut]) -> dict[ViewKind, DistanceSummary]:
+    parts: dict[ViewKind, list[Scalars]] = {}
+    for one in held_out:
+        parts.setdefault(one.view.kind, []).append(one.distances_mm)
+    return {kind: summarised(np.concatenate(part)) for kind, part in parts.items()}
 
 
 def _by_region(
     residuals: Sequence[Residuals], mesh: SurfaceMesh, toward_base: Vector | None
-) -> dict[_Region, DistanceSummary]:
+) -> dict[Third, DistanceSummary]:
     if toward_base is None:
         return {}
     apex, mid, base = by_thirds(residuals, mesh, toward_base)
-    parts: dict[_Region, Scalars] = {"apex": apex, "mid": mid, "base": base}
+    parts: dict[Third, Scalars] = {"apex": apex, "mid": mid, "base": base}
     return {name: summarised(part) for name, part in parts.items() if len(part)}
 
 

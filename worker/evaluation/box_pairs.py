@@ -19,8 +19,8 @@ Pairs = Int[np.ndarray, "k 2"]
 SomePairs = Int[np.ndarray, "_ 2"]
 """Pairs where a function speaks of several sets, of different counts."""
 
-BLOCK = 512
-"""Boxes looked up at once: no more than 512 pairs for each box of the other set are held, even when
+BLOCK = 2048
+"""Boxes looked up at once: no more than 2048 pairs for each box of the other set are held, even when
 every box overlaps every other."""
 
 
@@ -79,9 +79,9 @@ def _near(one: _Boxes, other: _Boxes) -> Iterator[Pairs]:
 
 
 def _size_classes(boxes: _Boxes) -> list[Int[np.ndarray, " _"]]:
-    """Indices of boxes whose longest sides differ by no more than a factor of four."""
-    fours = np.frexp(boxes.halves_mm.max(axis=1))[1] // 2
-    return [np.flatnonzero(fours == four) for four in np.unique(fours)]
+    """Indices of boxes whose longest sides differ by no more than a factor of sixteen."""
+    classes = np.frexp(boxes.halves_mm.max(axis=1))[1] // 4
+    return [np.flatnonzero(classes == one) for one in np.unique(classes)]
 
 
 def _overlapping(pairs: SomePairs, one: _Boxes, other: _Boxes) -> SomePairs:

@@ -2,7 +2,6 @@
 
 import math
 
-import igl
 import numpy as np
 
 from worker.arrays import Vector
@@ -31,11 +30,3 @@ def mid_area_cm2(mesh: SurfaceMesh, toward_base: Vector) -> float:
         for loop in section(mesh, middle, toward_base)
     ]
     return float(np.sum(doubled, axis=0) @ toward_base / 2.0 / 100.0)
-
-
-def centroid_mm(mesh: SurfaceMesh) -> Vector:
-    """Centre of mass of what a closed mesh encloses, (3,) mm."""
-    vertices = np.ascontiguousarray(mesh.vertices_mm, dtype=np.float64)
-    centre, _ = igl.centroid(vertices, np.ascontiguousarray(mesh.faces, dtype=np.int64))
-    found: Vector = np.asarray(centre, dtype=np.float64).reshape(3)
-    return found

@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from worker.evaluation.curvature_comparison import CurvatureComparison, compare_curvature
-from worker.evaluation.distance import SurfaceDistance, surface_to_surface
+from worker.evaluation.distance import (
+    SurfaceDistance,
+    distances_both_ways,
+    summarised_both_ways,
+)
 from worker.evaluation.point_set_distance import PointSetDistance, point_set_distance
 from worker.evaluation.quality import TriangleQuality, triangle_quality
 from worker.evaluation.size import area_cm2, signed_volume_ml
-from worker.evaluation.surface_samples import area_uniform_samples_mm
 from worker.evaluation.topology import component_count, euler_number, is_watertight
 from worker.surface_mesh import SurfaceMesh
 
@@ -61,22 +62,16 @@ def compared(
     Deterministic in `seed`. Raises InternalError when either mesh has no faces.
     """
     own, other = surface_facts(mesh), surface_facts(reference)
-    difference = None
-    if own.volume_ml is not None and other.volume_ml:
-        difference = 100.0 * (own.volume_ml - other.volume_ml) / other.volume_ml
-    generator = np.random.default_rng(seed)
+    there, back = distances_both_ways(mesh, reference, samples, seed)
     curvature = None
     if curvature_edge_mm is not None and own.watertight and other.watertight:
         curvature = compare_curvature(mesh, reference, curvature_edge_mm)
     return Comparison(
         mesh=own,
         reference=other,
-        volume_difference_percent=difference,
-        surface_distance=surface_to_surface(mesh, reference, samples, seed),
-        point_set_distance=point_set_distance(
-            area_uniform_samples_mm(mesh, samples, generator),
-            area_uniform_samples_mm(reference, samples, generator),
-        ),
+        volume_difference_percent=volume_difference_percent(own.volume_ml, other.volume_ml),
+        surface_distance=summarised_both_ways(there, back),
+        point_set_distance=point_set_distance(there.points_mm, back.points_mm),
         curvature=curvature,
         samples=samples,
         seed=seed,
@@ -85,14 +80,28 @@ def compared(
 
 def surface_facts(mesh: SurfaceMesh) -> SurfaceFacts:
     """Size, topology and triangle quality of a mesh that has faces, whichever way it faces."""
-    watertight = is_watertight(mesh)
+    volume_ml = closed_volume_ml(mesh)
     return SurfaceFacts(
-        volume_ml=abs(signed_volume_ml(mesh)) if watertight else None,
+        volume_ml=volume_ml,
         area_cm2=area_cm2(mesh),
-        watertight=watertight,
+        watertight=volume_ml is not None,
         euler_number=euler_number(mesh),
         components=component_count(mesh),
         vertices=len(mesh.vertices_mm),
         faces=len(mesh.faces),
         quality=triangle_quality(mesh),
     )
+
+
+def closed_volume_ml(mesh: SurfaceMesh) -> float | None:
+    """What a closed surface encloses, whichever way it faces, mL; None for one that is not."""
+    return abs(signed_volume_ml(mesh)) if is_watertight(mesh) else None
+
+
+def volume_difference_percent(own_ml: float | None, reference_ml: float | None) -> float | None:
+    """A surface's volume less its reference's, of the reference's, percent; None where either is
+    open or the reference encloses nothing.
+    """
+    if own_ml is None or not reference_ml:
+        return None
+    return 100.0 * (own_ml - reference_ml) / reference_ml

@@ -15,7 +15,10 @@ from worker.surface_mesh import SurfaceMesh
 
 @dataclass(frozen=True)
 class DirectedDistance:
-    """Distances from samples of one surface to the nearest points of another, mm."""
+    """Distances from samples of one surface to the nearest points of another, mm.
+
+    Of that surface itself, or of the samples that stand for it: the owner of the value says which.
+    """
 
     mean_mm: float
     rms_mm: float
@@ -41,6 +44,14 @@ class SurfaceDistance:
     hausdorff_mm: float
     to_reference: DirectedDistance
     from_reference: DirectedDistance
+
+
+@dataclass(frozen=True, eq=False)
+class PointDistances:
+    """Points (n, 3) of one surface, mm, and their exact distances (n,) to another, mm."""
+
+    points_mm: Points
+    distances_mm: Scalars
 
 
 class _Tree:
@@ -102,29 +113,44 @@ def surface_to_surface(
 
     Deterministic in `seed`. Raises InternalError when either mesh has no faces.
     """
+    return summarised_both_ways(*distances_both_ways(mesh, reference, samples, seed))
+
+
+def distances_both_ways(
+    mesh: SurfaceMesh, reference: SurfaceMesh, samples: int = 20_000, seed: int = 0
+) -> tuple[PointDistances, PointDistances]:
+    """What `surface_to_surface` summarises: points of `mesh` measured to the reference, and points
+    of the reference measured to `mesh`.
+    """
     generator = np.random.default_rng(seed)
-    there = _directed(mesh, reference, samples, generator)
-    back = _directed(reference, mesh, samples, generator)
-    return SurfaceDistance(
-        mean_mm=(there.mean_mm + back.mean_mm) / 2.0,
-        rms_mm=float(np.sqrt((there.rms_mm**2 + back.rms_mm**2) / 2.0)),
-        hausdorff95_mm=max(there.p95_mm, back.p95_mm),
-        hausdorff_mm=max(there.max_mm, back.max_mm),
-        to_reference=there,
-        from_reference=back,
+    own, other = (area_uniform_samples_mm(one, samples, generator) for one in (mesh, reference))
+    return (
+        PointDistances(own, points_to_surface_mm(own, reference)),
+        PointDistances(other, points_to_surface_mm(other, mesh)),
     )
 
 
-def _directed(
-    source: SurfaceMesh, target: SurfaceMesh, samples: int, generator: np.random.Generator
-) -> DirectedDistance:
-    distances = points_to_surface_mm(area_uniform_samples_mm(source, samples, generator), target)
+def summarised_both_ways(there: PointDistances, back: PointDistances) -> SurfaceDistance:
+    """Both directions, to the reference and from it, in a few numbers."""
+    to_reference, from_reference = directed(there.distances_mm), directed(back.distances_mm)
+    return SurfaceDistance(
+        mean_mm=(to_reference.mean_mm + from_reference.mean_mm) / 2.0,
+        rms_mm=float(np.sqrt((to_reference.rms_mm**2 + from_reference.rms_mm**2) / 2.0)),
+        hausdorff95_mm=max(to_reference.p95_mm, from_reference.p95_mm),
+        hausdorff_mm=max(to_reference.max_mm, from_reference.max_mm),
+        to_reference=to_reference,
+        from_reference=from_reference,
+    )
+
+
+def directed(distances_mm: Scalars) -> DirectedDistance:
+    """Distances (n,) of one direction, at least one and none negative, in a few numbers."""
     return DirectedDistance(
-        mean_mm=float(distances.mean()),
-        rms_mm=float(np.sqrt(np.mean(distances**2))),
-        p50_mm=float(np.percentile(distances, 50.0)),
-        p90_mm=float(np.percentile(distances, 90.0)),
-        p95_mm=float(np.percentile(distances, 95.0)),
-        max_mm=float(distances.max()),
-        samples=samples,
+        mean_mm=float(distances_mm.mean()),
+        rms_mm=float(np.sqrt(np.mean(distances_mm**2))),
+        p50_mm=float(np.percentile(distances_mm, 50.0)),
+        p90_mm=float(np.percentile(distances_mm, 90.0)),
+        p95_mm=float(np.percentile(distances_mm, 95.0)),
+        max_mm=float(distances_mm.max()),
+        samples=len(distances_mm),
     )

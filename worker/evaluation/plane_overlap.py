@@ -8,29 +8,32 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from intake.planes import Plane
-from worker.arrays import PlanePoints, Vector
-from worker.evaluation.section import section
+from worker.arrays import PlanePoints, SomePoints
 from worker.evaluation.support import AlignedOutline
-from worker.surface_mesh import SurfaceMesh
 
 
 def plane_dice(
-    mesh: SurfaceMesh, outlines: Sequence[AlignedOutline], origin_mm: Vector, normal: Vector
+    loops_mm: Sequence[SomePoints], outlines: Sequence[AlignedOutline], plane: Plane
 ) -> float | None:
-    """Dice coefficient between what outlines enclose on a plane and what the surface does there.
+    """Dice coefficient between what outlines enclose on a plane and what a surface does there.
 
     2 |A and B| / (|A| + |B|): 1 for the same areas, 0 for disjoint ones; None where neither
-    encloses anything. mesh: closed and outward. Outlines in one another are holes. Where an outline
-    is open, what the surface encloses beyond its chord is left out: there it was not asked.
+    encloses anything. loops_mm: the closed surface's section, (n, 3) each. Rings in one another
+    are holes. Where an outline is open, what the surface encloses beyond its chord is left out:
+    there it was not asked.
     """
-    plane = Plane.through(origin_mm, normal)
     own = enclosed([plane.to_plane(one.points_mm) for one in outlines])
-    cut = enclosed([plane.to_plane(loop) for loop in section(mesh, origin_mm, normal)])
+    cut = enclosed([plane.to_plane(loop) for loop in loops_mm])
     for one in outlines:
         if not one.closed:
             cut = _before_chord(cut, plane.to_plane(one.points_mm))
-    both = own.area + cut.area
-    return float(2.0 * shapely.intersection(own, cut).area / both) if both > 0.0 else None
+    return dice(own, cut)
+
+
+def dice(one: BaseGeometry, other: BaseGeometry) -> float | None:
+    """Twice what two areas share over the sum of both; None where neither has any."""
+    both = one.area + other.area
+    return float(2.0 * shapely.intersection(one, other).area / both) if both > 0.0 else None
 
 
 def enclosed(rings: Sequence[PlanePoints]) -> BaseGeometry:

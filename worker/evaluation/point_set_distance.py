@@ -7,6 +7,7 @@ from scipy.spatial import cKDTree
 
 from schemas.problem import InternalError, ProblemType
 from worker.arrays import SomePoints
+from worker.evaluation.distance import DirectedDistance, directed
 
 
 @dataclass(frozen=True)
@@ -21,6 +22,8 @@ class PointSetDistance:
         so rmse_mm is never the smaller.
     optimal_threshold_mm: 90th percentile of the distances from P to Q, P the surface that is
         judged: what nine tenths of it are nearer than.
+    to_reference, from_reference: the directed distances that all others are made of, from each of
+        P to the nearest of Q, and from each of Q to the nearest of P.
 
     These do not vanish for two samplings of one surface: the floor is about half the spacing of
     the points. For judgement use `surface_to_surface`.
@@ -36,6 +39,8 @@ class PointSetDistance:
     rmse_mm: float
     mae_mm: float
     optimal_threshold_mm: float
+    to_reference: DirectedDistance
+    from_reference: DirectedDistance
 
 
 def point_set_distance(first_mm: SomePoints, second_mm: SomePoints) -> PointSetDistance:
@@ -48,19 +53,18 @@ def point_set_distance(first_mm: SomePoints, second_mm: SomePoints) -> PointSetD
     there, _ = cKDTree(second_mm).query(first_mm)
     back, _ = cKDTree(first_mm).query(second_mm)
     either = np.concatenate([there, back])
-    chamfer = float(np.mean(there**2) + np.mean(back**2))
-
-    def percentile(percent: float) -> float:
-        return float(max(np.percentile(there, percent), np.percentile(back, percent)))
-
+    to_reference, from_reference = directed(there), directed(back)
+    chamfer = to_reference.rms_mm**2 + from_reference.rms_mm**2
     return PointSetDistance(
         chamfer_mm2=chamfer,
         rms_chamfer_mm=float(np.sqrt(chamfer / 2.0)),
-        hausdorff_mm=percentile(100.0),
-        hausdorff50_mm=percentile(50.0),
-        hausdorff90_mm=percentile(90.0),
-        hausdorff95_mm=percentile(95.0),
+        hausdorff_mm=max(to_reference.max_mm, from_reference.max_mm),
+        hausdorff50_mm=max(to_reference.p50_mm, from_reference.p50_mm),
+        hausdorff90_mm=max(to_reference.p90_mm, from_reference.p90_mm),
+        hausdorff95_mm=max(to_reference.p95_mm, from_reference.p95_mm),
         rmse_mm=float(np.sqrt(np.mean(either**2))),
         mae_mm=float(np.mean(either)),
-        optimal_threshold_mm=float(np.percentile(there, 90.0)),
+        optimal_threshold_mm=to_reference.p90_mm,
+        to_reference=to_reference,
+        from_reference=from_reference,
     )

@@ -1,10 +1,13 @@
-"""Where a plane cuts a closed surface: the loops, exactly on the triangles."""
+"""Where a plane cuts a surface: loops and lines, exactly on the triangles."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
 from worker.arrays import Points, SomePoints, Vector
 from worker.surface_mesh import SurfaceMesh
+
+_NONE = -1
+"""What follows the last point of a line that ends at a rim."""
 
 Heights = Float[np.ndarray, " v"]
 """How far each vertex lies above the plane, mm."""
@@ -26,6 +29,13 @@ def section(mesh: SurfaceMesh, origin_mm: Vector, normal: Vector) -> list[SomePo
     lower, which never meets a vertex: every loop closes, and a face lying in the plane is no case
     of its own. A loop that only touches the plane shrinks to a point and is left out.
     """
+    return [line[:-1] for line in section_lines(mesh, origin_mm, normal)]
+
+
+def section_lines(mesh: SurfaceMesh, origin_mm: Vector, normal: Vector) -> list[SomePoints]:
+    """The same as lines (k, 3), also of a surface with rims: a loop ends with its first point, a
+    line that the plane cuts from rim to rim does not. mesh: consistently oriented.
+    """
     height = (mesh.vertices_mm - origin_mm) @ (normal / np.linalg.norm(normal))
     above = height >= 0.0
     corners_above = above[mesh.faces].sum(axis=1)
@@ -43,9 +53,9 @@ def section(mesh: SurfaceMesh, origin_mm: Vector, normal: Vector) -> list[SomePo
     end = np.where(alone_above[:, None], _edge(first, third), _edge(first, second))
     edges, index = np.unique(np.concatenate([start, end]), axis=0, return_inverse=True)
     points = _crossings(mesh.vertices_mm, height, edges)
-    following = np.full(len(edges), -1)
+    following = np.full(len(edges), _NONE)
     following[index[: len(cut)]] = index[len(cut) :]
-    return [points[loop] for loop in _loops(following) if _has_length(points[loop])]
+    return [points[line] for line in _lines(following) if _has_length(points[line])]
 
 
 def _edge(a: Indices, b: Indices) -> Edges:
@@ -59,19 +69,20 @@ def _crossings(vertices_mm: SomePoints, height: Heights, edges: Edges) -> SomePo
     return (1.0 - along) * vertices_mm[edges[:, 0]] + along * vertices_mm[edges[:, 1]]
 
 
-def _loops(following: Indices) -> list[Indices]:
-    """Cycles of the permutation `following`."""
-    loops, seen = [], np.zeros(len(following), dtype=bool)
-    for first in range(len(following)):
-        loop: list[int] = []
+def _lines(following: Indices) -> list[Indices]:
+    """Chains and cycles of `following`; a cycle ends with its first member."""
+    lines, seen = [], np.zeros(len(following), dtype=bool)
+    beginnings = np.setdiff1d(np.arange(len(following)), following)
+    for first in (*beginnings.tolist(), *range(len(following))):
+        line: list[int] = []
         here = first
-        while not seen[here]:
+        while here != _NONE and not seen[here]:
             seen[here] = True
-            loop.append(here)
+            line.append(here)
             here = int(following[here])
-        if loop:
-            loops.append(np.array(loop))
-    return loops
+        if line:
+            lines.append(np.array(line if here == _NONE else [*line, here]))
+    return lines
 
 
 def _has_length(loop_mm: Points) -> bool:

@@ -2,8 +2,8 @@
 
 import numpy as np
 
+from schemas.measures import DistanceSummary, Histogram
 from schemas.problem import InternalError, ProblemType
-from schemas.report import DistanceSummary, Histogram
 from worker.arrays import Scalars
 
 

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import igl
 import numpy as np
 
 from schemas.problem import InternalError, ProblemType
 from schemas.vocabulary import View
 from worker.arrays import Points, Scalars, SomePoints
+from worker.evaluation.segment_distance import distance_to_segments_mm, ring_segments
 from worker.evaluation.size import triangle_areas_mm2
 from worker.surface_mesh import SurfaceMesh
 
@@ -33,20 +33,13 @@ def distance_to_outlines_mm(points_mm: Points, outlines: Sequence[AlignedOutline
     """
     if not outlines:
         raise InternalError(ProblemType.INTERNAL, "No outlines to measure a distance to.")
-    corners = np.ascontiguousarray(np.concatenate([o.points_mm for o in outlines]), np.float64)
     segments, first = [], 0
     for outline in outlines:
-        count = len(outline.points_mm)
-        starts = np.arange(count if outline.closed else count - 1)
-        segments.append(first + np.stack([starts, (starts + 1) % count], axis=1))
-        first += count
-    ends = np.ascontiguousarray(np.concatenate(segments))
-    boxes = igl.AABB()
-    boxes.init(corners, ends)
-    points = np.ascontiguousarray(points_mm, dtype=np.float64)
-    squared, _, _ = boxes.squared_distance(corners, ends, points)
-    distances: Scalars = np.sqrt(np.maximum(squared, 0.0))
-    return distances
+        ring = first + ring_segments(len(outline.points_mm))
+        segments.append(ring if outline.closed else ring[:-1])
+        first += len(ring)
+    ends_mm = np.concatenate([one.points_mm for one in outlines])
+    return distance_to_segments_mm(points_mm, ends_mm, np.concatenate(segments))
 
 
 def area_beyond_percent(mesh: SurfaceMesh, support_mm: Scalars, reach_mm: float) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import torch
 
-from worker.arrays import Points
+from worker.arrays import Hessians, Points
 from worker.observer import Cancelled, Observer
 from worker.reconstruction.network import TissueField
 from worker.reconstruction.surface_logits import SurfaceLogits
@@ -50,6 +50,24 @@ class FieldEvaluation:
         return (
             torch.cat(values).numpy().astype(np.float64),
             torch.cat(slopes).numpy().astype(np.float64),
+        )
+
+    def gradient_and_hessian(self, points_unit: Points, surface: int) -> tuple[Points, Hessians]:
+        """First and second derivatives of one surface's logit, (n, 3) and (n, 3, 3)."""
+        slopes, bends = [], []
+        for chunk in self._chunks(points_unit):
+            points = chunk.clone().requires_grad_()
+            logits = self._surface_logits.of_one(self._field(points), surface)
+            (slope,) = torch.autograd.grad(logits.sum(), points, create_graph=True)
+            rows = [
+                torch.autograd.grad(slope[:, axis].sum(), points, retain_graph=axis < 2)[0]
+                for axis in range(3)
+            ]
+            slopes.append(slope.detach())
+            bends.append(torch.stack(rows, dim=1))
+        return (
+            torch.cat(slopes).numpy().astype(np.float64),
+            torch.cat(bends).numpy().astype(np.float64),
         )
 
     def _chunks(self, points_unit: Points) -> Iterator[torch.Tensor]:

@@ -6,6 +6,7 @@ fixed number of iterations, recent levels kept in the mix.
 
 import math
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,7 @@ from torch import Tensor
 
 from schemas.job import Progress, Stage
 from schemas.options import Options
+from worker.arrays import SomeScalars
 from worker.observer import Cancelled, Observer
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.descent import Descent
@@ -24,14 +26,14 @@ from worker.reconstruction.surface_logits import SurfaceLogits
 from worker.reconstruction.tissues import Partition
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FittedLevel:
-    """Losses of one level, averaged over its iterations."""
+    """One level: how many samples were in its mix, and the losses of its iterations, in order."""
 
     level: int
     samples: int
-    bce: float
-    hinge: float
+    bce: SomeScalars
+    hinge: SomeScalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,17 +51,19 @@ def fit_field(
     partition: Partition,
     options: Options,
     observer: Observer,
+    start: TissueField | None = None,
 ) -> FieldFit:
     """Fit one field to one frame.
 
     samples_of: fresh samples of a level, per-surface arrays in the order of `partition.surfaces`.
     shifts: of the slices that samples were drawn on; where they move, learned with the field, in
         place.
+    start: a field to go on from, which is left as it is; a new one by the seed when None.
     Raises Cancelled when the observer asks to stop.
     """
     generator = torch.Generator().manual_seed(options.seed)
     surface_logits = SurfaceLogits(partition)
-    field = TissueField(partition.class_count, options.network, generator)
+    field = deepcopy(start) or TissueField(partition.class_count, options.network, generator)
     descent = Descent(field, shifts, options)
     total_steps = options.levels * options.iterations_per_level
 
@@ -69,7 +73,7 @@ def fit_field(
         recent = [*recent, samples_of(level)][-options.sampling.levels_in_mix :]
         mix = _Mix(joined(recent), options.loss.contour_weight)
         learning = shifts.moving and level >= options.alignment.first_level
-        sums = torch.zeros(2)
+        seen = torch.zeros(2, options.iterations_per_level)
         for iteration in range(options.iterations_per_level):
             if observer.is_cancelled():
                 raise Cancelled
@@ -82,7 +86,7 @@ def fit_field(
                 total = total + shifts.penalty()
             done = level * options.iterations_per_level + iteration
             descent.step(total, _cosine(done / total_steps))
-            sums += losses.detach()
+            seen[:, iteration] = losses.detach()
             observer.advanced(
                 Progress(
                     fraction=(done + 1) / total_steps,
@@ -92,8 +96,7 @@ def fit_field(
                     loss=float(total.detach()),
                 )
             )
-        means = (sums / options.iterations_per_level).tolist()
-        fitted.append(FittedLevel(level, len(mix), means[0], means[1]))
+        fitted.append(FittedLevel(level, len(mix), *seen.numpy().astype(np.float64)))
     return FieldFit(field, surface_logits, tuple(fitted))
 
 

@@ -4,45 +4,45 @@ study -> stack (mm) -> unit stack + UnitFrame -> levels of samples -> tissue fie
 one component -> level-set projection -> mm -> closed or open base.
 """
 
-from collections.abc import Mapping
-from functools import partial
-
 import numpy as np
 
+from intake.effort import REFIT_COST
 from intake.support import frame_surfaces
-from schemas.job import Progress, Stage
-from schemas.options import Base, Options
-from schemas.problem import InternalError, ProblemType
+from schemas.job import Stage
+from schemas.options import Base, Holdout, Options
 from schemas.study import ContourStudy, Frame
-from schemas.vocabulary import Structure
-from worker.arrays import Points, SomeFaces, SomePoints
-from worker.observer import Cancelled, Observer, Unobserved
+from worker.observer import Observer, Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.base_plane import cut_open, find_base
-from worker.reconstruction.component import outward, touched_component
 from worker.reconstruction.crossings import crossing_evidence
-from worker.reconstruction.field_evaluation import FieldEvaluation
-from worker.reconstruction.fit import FieldFit, fit_field
+from worker.reconstruction.field_problem import (
+    FieldProblem,
+    moved_stack,
+    outline_points,
+    posed,
+    solved,
+)
+from worker.reconstruction.fit import FieldFit
 from worker.reconstruction.frame_share import FrameShare
-from worker.reconstruction.hull import Hull, inflated_hull
-from worker.reconstruction.isosurface import Triangles, isosurfaces
-from worker.reconstruction.motion import SliceMotion, moved_back
+from worker.reconstruction.meshing import curvature_of, finest_cell, surfaces_of
+from worker.reconstruction.motion import SliceMotion
 from worker.reconstruction.normalisation import UnitFrame, normalise
-from worker.reconstruction.projection import project
+from worker.reconstruction.refits import (
+    FirstFit,
+    ensemble,
+    held_out,
+    slices_to_hold_out,
+)
 from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reconstruction, SliceFit
-from worker.reconstruction.samples import LabelledSamples
-from worker.reconstruction.sampling import level_radius, sample_level
+from worker.reconstruction.sampling import level_radius
 from worker.reconstruction.shift_evidence import ShiftEvidence
 from worker.reconstruction.slice_stack import SliceStack
-from worker.reconstruction.stack_ends import past_the_ends
 from worker.reconstruction.stack_smoothness import smoothness_evidence
 from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tempering import tempered
-from worker.reconstruction.tissues import Partition, partition
+from worker.reconstruction.tissues import partition
 from worker.reconstruction.unit_stack import UnitStack
 from worker.reconstruction.workload import check_workload
-from worker.remeshing.remeshing import remesh
-from worker.surface_mesh import SurfaceMesh
 
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
@@ -52,9 +52,6 @@ _CONTOUR_NOISE_MM = 0.25
 
 _WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
 """Bounds on the shift prior and on shifts, unit lengths: a mouse's breath is not a man's."""
-
-_WIDEST_CELL = 0.1
-"""Edge of the finest cell, unit lengths, at most: a mouse's heart is a few millimetres long."""
 
 
 def reconstruct(
@@ -84,48 +81,59 @@ def _reconstruct_frame(
 ) -> FrameFit:
     stack = build_stack(study, frame)
     unit_stack, unit_frame = normalise(stack)
-    inflation = options.sampling.hull_inflation
-    ends = past_the_ends(unit_stack, inflation)
-    hull = inflated_hull(np.concatenate([unit_stack.points_unit, ends]), inflation)
-    classes = partition(frame_surfaces(frame, options))
-    unit_mm = unit_frame.half_extent_mm
-    cell = min(options.mesh.grid_mm / unit_mm, _WIDEST_CELL)
-    check_workload(len(stack.slices), hull, cell * unit_mm, cell, len(classes.surfaces), options)
+    problem = posed(unit_stack, partition(frame_surfaces(frame, options)), options.sampling)
+    surfaces = problem.classes.surfaces
+    unit_mm, cell = unit_frame.half_extent_mm, finest_cell(unit_frame, options)
+    check_workload(len(stack.slices), problem.hull, cell * unit_mm, cell, len(surfaces), options)
     # Before the fit: a base that cannot be found is not found out in vain.
-    bases = {s: find_base(stack, s) for s in classes.surfaces} if options.base is Base.OPEN else {}
-    rng = np.random.default_rng(options.seed)
-
-    def samples_of(level: int) -> LabelledSamples:
-        radius = level_radius(level, options.levels, options.sampling)
-        return sample_level(
-            unit_stack, classes.surfaces, hull, radius, options.sampling, rng, observer
-        )
-
-    fitting = observer.part(0.0, _FIT_SHARE)
-    evidence = _evidence(unit_stack.showing(classes.surfaces), options, unit_mm)
+    bases = {s: find_base(stack, s) for s in surfaces} if options.base is Base.OPEN else {}
+    evidence = _evidence(problem.shown, options, unit_mm)
     furthest = min(options.alignment.max_shift_mm / unit_mm, _FURTHEST_SHIFT)
-    shifts = SliceShifts(
-        unit_stack.showing(classes.surfaces), evidence, furthest, turning=options.alignment.rotate
-    )
+
+    def free_shifts() -> SliceShifts:
+        return SliceShifts(problem.shown, evidence, furthest, turning=options.alignment.rotate)
+
     suited = tempered(options, _contour_noise(evidence, options, unit_mm))
-    fit = fit_field(samples_of, shifts, classes, suited, fitting)
-    meshing = observer.part(_FIT_SHARE, 1.0)
+    shifts = free_shifts()
+    fitting, meshing, refitting, others = _parts(observer, problem, options)
+    fit = solved(problem, shifts, suited, fitting)
     motion = shifts.found()
-    outlines = _aligned_outlines(unit_stack, motion)
-    meshes, unremeshed = _mesh(outlines, unit_frame, hull, classes, fit, cell, options, meshing)
-    for closed in (meshes, unremeshed):
+    touching = outline_points(moved_stack(unit_stack, motion))
+    found = surfaces_of(fit, problem, touching, unit_frame, options, meshing)
+    for closed in (found.meshes, found.unremeshed):
         closed |= {s: cut_open(closed[s], base) for s, base in bases.items() if s in closed}
+    first = FirstFit(problem, unit_frame, fit, motion)
+    wanted = options.holdout is Holdout.LEAVE_ONE_SLICE_OUT
+    noise = evidence.contour_noise
     return FrameFit(
         label=frame.label,
         time_ms=frame.time_ms,
-        surfaces=meshes,
-        unremeshed=unremeshed,
+        surfaces=found.meshes,
+        unremeshed=found.unremeshed,
         slices=_slice_fits(stack, unit_stack, unit_frame, motion, evidence),
         levels=_level_fits(fit, unit_frame, options),
-        contour_noise_mm=None
-        if evidence.contour_noise is None
-        else unit_mm * evidence.contour_noise,
+        contour_noise_mm=None if noise is None else unit_mm * noise,
+        curvature={
+            structure: curvature_of(fit, index, found.meshes[structure], unit_frame, meshing)
+            for index, structure in enumerate(surfaces)
+        },
+        held_out=held_out(first, suited, refitting.told_as(Stage.REFITTING)) if wanted else {},
+        members=ensemble(problem, unit_frame, free_shifts, suited, others.told_as(Stage.REFITTING)),
     )
+
+
+def _parts(
+    observer: FrameShare, problem: FieldProblem, options: Options
+) -> tuple[FrameShare, FrameShare, FrameShare, FrameShare]:
+    """The frame's work by what it costs: fit, meshing, refits without a slice, other seeds."""
+    refits = len(slices_to_hold_out(problem)) if options.holdout is not Holdout.NONE else 0
+    ends = np.cumsum([_FIT_SHARE, 1.0 - _FIT_SHARE, REFIT_COST * refits, options.ensemble])
+    starts = np.concatenate([[0.0], ends[:-1]])
+    fitting, meshing, refitting, others = (
+        observer.part(float(start), float(end))
+        for start, end in zip(starts / ends[-1], ends / ends[-1], strict=True)
+    )
+    return fitting, meshing, refitting, others
 
 
 def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEvidence:
@@ -144,78 +152,6 @@ def _contour_noise(evidence: ShiftEvidence, options: Options, unit_mm: float) ->
     """How unsteady outlines are taken to be, unit lengths."""
     given_mm = options.loss.contour_noise_mm
     return (evidence.contour_noise or 0.0) if given_mm is None else given_mm / unit_mm
-
-
-def _mesh(
-    outlines: Mapping[Structure, Points],
-    frame: UnitFrame,
-    hull: Hull,
-    classes: Partition,
-    fit: FieldFit,
-    cell: float,
-    options: Options,
-    observer: Observer,
-) -> tuple[dict[Structure, SurfaceMesh], dict[Structure, SurfaceMesh]]:
-    """The surfaces, and where `target_edge_mm` is given what they were before remeshing, in mm."""
-    evaluation = FieldEvaluation(fit.field, fit.surface_logits, observer)
-    observer.advanced(Progress(fraction=0.0, stage=Stage.MESHING))
-    level_sets = isosurfaces(evaluation.logits, hull.lower, hull.upper, cell)
-    meshes: dict[Structure, SurfaceMesh] = {}
-    unremeshed: dict[Structure, SurfaceMesh] = {}
-    for index, (structure, level_set) in enumerate(zip(classes.surfaces, level_sets, strict=True)):
-        if observer.is_cancelled():
-            raise Cancelled
-        done = (index + 1) / len(level_sets)
-        observer.advanced(Progress(fraction=done, stage=Stage.MESHING))
-        vertices, faces = _kept(level_set, outlines[structure], structure)
-
-        def on_surface(points_unit: Points, surface: int = index) -> tuple[np.ndarray, Points]:
-            return evaluation.logits_and_gradient(points_unit, surface)
-
-        vertices = project(vertices, on_surface, options.mesh.projection_steps, cell)
-        faces = outward(vertices, faces)
-        meshes[structure] = SurfaceMesh(frame.to_mm(vertices), faces)
-        if options.target_edge_mm is not None:
-            unremeshed[structure] = meshes[structure]
-            edge = options.target_edge_mm / frame.half_extent_mm
-            even_vertices, even_faces = remesh(
-                vertices,
-                faces,
-                edge,
-                partial(project, logits_and_gradient=on_surface, steps=1, reach=0.5 * edge),
-                observer,
-            )
-            meshes[structure] = SurfaceMesh(frame.to_mm(even_vertices), even_faces)
-    return meshes, unremeshed
-
-
-def _kept(
-    level_set: Triangles, touching: SomePoints, structure: Structure
-) -> tuple[SomePoints, SomeFaces]:
-    if len(level_set.faces) == 0:
-        raise InternalError(
-            ProblemType.NO_SURFACE,
-            f"The fitted field encloses nothing for {structure}; raise `iterations_per_level` or "
-            "`levels`, lower `optimizer.learning_rate` or `mesh.grid_mm`, or leave that surface "
-            "out of `surfaces`.",
-        )
-    return touched_component(level_set.vertices, level_set.faces, touching)
-
-
-def _aligned_outlines(stack: UnitStack, motion: SliceMotion) -> dict[Structure, Points]:
-    """All outline points (n, 3) of every structure, moved back by their slices' motion."""
-    points: dict[Structure, list[Points]] = {}
-    for index, slice_ in enumerate(stack.slices):
-        back = partial(
-            moved_back,
-            shift=motion.shifts[index],
-            turn=float(motion.turns[index]),
-            pivot=motion.pivots[index],
-            normal=slice_.normal,
-        )
-        for structure, outlines in slice_.outlines.items():
-            points.setdefault(structure, []).extend(back(slice_.lift(o.points)) for o in outlines)
-    return {structure: np.concatenate(parts) for structure, parts in points.items()}
 
 
 def _slice_fits(

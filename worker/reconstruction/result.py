@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from schemas.vocabulary import Axes, Structure, View
-from worker.arrays import Points, Vector
+from worker.arrays import Points, SomeScalars, Vector
 from worker.reconstruction.motion import moved_back
 from worker.surface_mesh import SurfaceMesh
 
@@ -45,16 +45,30 @@ class SliceFit:
         return moved_back(points_mm, self.shift_mm, self.turn_rad, self.pivot_mm, self.normal)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LevelFit:
-    """Losses of one refinement level, averaged over its iterations."""
+    """One refinement level: samples in its mix, and the losses of its iterations, in order.
+
+    bce, hinge, total: (iterations,) each; the total is the cross-entropy and the weighted hinge.
+    """
 
     level: int
     radius_mm: float
     samples: int
-    bce: float
-    hinge: float
-    total: float
+    bce: SomeScalars
+    hinge: SomeScalars
+    total: SomeScalars
+
+
+@dataclass(frozen=True, eq=False)
+class LevelSetCurvature:
+    """Curvature of the field's level set at the (n,) vertices of a surface.
+
+    gaussian_per_mm2: 1/mm2. mean_per_mm: mean of the principal ones, 1/mm, positive where convex.
+    """
+
+    gaussian_per_mm2: SomeScalars
+    mean_per_mm: SomeScalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +78,10 @@ class FrameFit:
     contour_noise_mm: standard deviation of what outlines that cross miss each other by, beyond what
         shifts explain; None where none cross.
     unremeshed: the surfaces before remeshing, where a target edge length was asked for; else none.
+    curvature: of each surface, at its vertices.
+    held_out: by slice id, where asked for, the surfaces that were fitted without that slice; those
+        that no other slice shows are left out.
+    members: where asked for, the surfaces of further fits with other seeds.
     """
 
     label: str
@@ -73,6 +91,9 @@ class FrameFit:
     levels: tuple[LevelFit, ...]
     contour_noise_mm: float | None = None
     unremeshed: Mapping[Structure, SurfaceMesh] = field(default_factory=dict)
+    curvature: Mapping[Structure, LevelSetCurvature] = field(default_factory=dict)
+    held_out: Mapping[str, Mapping[Structure, SurfaceMesh]] = field(default_factory=dict)
+    members: tuple[Mapping[Structure, SurfaceMesh], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,12 @@ class SurfaceLogits:
         )
         return logits
 
+    def of_one(self, class_logits: Tensor, surface: int) -> Tensor:
+        """(n, classes) to (n,) of one surface; unlike the whole, it can be differentiated twice."""
+        inside = self._inside[:, surface].bool()
+        within, without = class_logits[:, inside], class_logits[:, ~inside]
+        return torch.logsumexp(within, dim=1) - torch.logsumexp(without, dim=1)
+
     def gradient(self, class_logits: Tensor, jacobian: Tensor) -> Tensor:
         """Gradients (3, n, surfaces) of the surface logits, by the chain rule.
 

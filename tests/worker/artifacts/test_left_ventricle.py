@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from schemas.vocabulary import Structure, View
-from worker.artifacts.left_ventricle import left_ventricle_report
+from worker.artifacts.left_ventricle import left_ventricle_report, ventricle_place
 from worker.evaluation.support import AlignedOutline
 from worker.surface_mesh import SurfaceMesh
 
@@ -29,6 +29,11 @@ def circle(slice_id: str, radius_mm: float, height_mm: float, view: View = View.
     return AlignedOutline(slice_id, view, points, True)
 
 
+def measured(surfaces, closed, outlines, toward_base):
+    place = ventricle_place(surfaces, outlines, toward_base)
+    return left_ventricle_report(surfaces, closed, toward_base, place)
+
+
 SURFACES = {ENDO: sphere(25.0), EPI: sphere(35.0), RV: sphere(15.0, (-52.0, 0.0, 0.0))}
 OUTLINES = {
     ENDO: [circle("sax-00", 25.0, -10.0), circle("sax-01", 25.0, 10.0)],
@@ -37,7 +42,7 @@ OUTLINES = {
 
 
 def test_spheres_measure_as_the_formulas_say() -> None:
-    found = left_ventricle_report(SURFACES, SURFACES, OUTLINES, UP)
+    found = measured(SURFACES, SURFACES, OUTLINES, UP)
     assert found.not_measured == {}
     assert found.long_axis_length_mm == pytest.approx(50.0, abs=0.1)
     assert found.sphericity == pytest.approx(1.0, abs=0.01)
@@ -57,7 +62,7 @@ def test_the_wall_ends_at_the_most_basal_slice_that_shows_both() -> None:
     lifted = SurfaceMesh(
         np.where(high[:, None], 1.5 * bump.vertices_mm, bump.vertices_mm), bump.faces
     )
-    found = left_ventricle_report(SURFACES | {EPI: lifted}, SURFACES, OUTLINES, UP)
+    found = measured(SURFACES | {EPI: lifted}, SURFACES, OUTLINES, UP)
     assert max(part.max_mm for n, part in found.wall_thickness_mm.items() if n < 17) < 11.0
 
 
@@ -69,7 +74,7 @@ def test_a_slice_that_grazes_the_base_is_no_ring() -> None:
         for step in ([30.0, 0.0, 0.0], [-30.0, 0.0, 0.0])
     ]
     grazed = {ENDO: [*OUTLINES[ENDO], grazing], EPI: [*OUTLINES[EPI], *halves]}
-    found, without = (left_ventricle_report(SURFACES, SURFACES, o, UP) for o in (grazed, OUTLINES))
+    found, without = (measured(SURFACES, SURFACES, o, UP) for o in (grazed, OUTLINES))
     assert found.wall_thickness_mm == without.wall_thickness_mm
 
 
@@ -90,7 +95,7 @@ def test_a_slice_that_grazes_the_base_is_no_ring() -> None:
 )
 def test_what_is_missing_is_null_with_its_reason(without, outlines, toward_base, missing) -> None:
     surfaces = {s: mesh for s, mesh in SURFACES.items() if s not in without}
-    found = left_ventricle_report(surfaces, surfaces, outlines, toward_base)
+    found = measured(surfaces, surfaces, outlines, toward_base)
     values = found.model_dump(exclude={"not_measured"})
     wanted = set(values) if missing == {"all"} else missing
     assert {name for name, value in values.items() if value is None} == wanted
@@ -104,12 +109,12 @@ def test_an_open_cavity_has_a_length_and_no_volume() -> None:
     cut = SurfaceMesh(endo.vertices_mm, endo.faces[below])
     opened = SURFACES | {ENDO: cut}
     closed = {s: mesh for s, mesh in SURFACES.items() if s is not ENDO}
-    found = left_ventricle_report(opened, closed, OUTLINES, UP)
+    found = measured(opened, closed, OUTLINES, UP)
     assert {"sphericity", "mid_area_cm2", "wall_mass_g"} <= set(found.not_measured)
     assert "closed base" in found.not_measured["sphericity"]
 
 
 def test_a_right_ventricle_above_the_left_shows_no_septum() -> None:
     above = SURFACES | {RV: sphere(15.0, (0.0, 0.0, 60.0))}
-    found = left_ventricle_report(above, above, OUTLINES, UP)
+    found = measured(above, above, OUTLINES, UP)
     assert "not beside" in found.not_measured["wall_thickness_mm"]

@@ -11,11 +11,13 @@ from schemas.options import Options
 from schemas.problem import InternalError
 from schemas.report import Provenance, Report
 from schemas.vocabulary import Axes, MeshFormat, Structure, View
-from worker.artifacts.report import build_report
+from worker.artifacts.measured import FIELDS, Measured
+from worker.artifacts.report import measure, timed
 from worker.reconstruction.result import (
     ContourPoints,
     FrameFit,
     LevelFit,
+    LevelSetCurvature,
     Reconstruction,
     SliceFit,
 )
@@ -61,18 +63,22 @@ def frame(label: str, radius_mm: float, *slices: SliceFit) -> FrameFit:
         time_ms=None,
         surfaces={Structure.LV_ENDO: sphere(radius_mm)},
         slices=slices or (slice_fit(circle(radius_mm, 0.0), (0.0, 0.0, 0.0)),),
-        levels=(LevelFit(level=0, radius_mm=4.0, samples=9, bce=0.5, hinge=1.0, total=0.6),),
+        levels=(LevelFit(0, 4.0, 9, *(np.array(x) for x in ([0.6, 0.4], [0.0, 2.0], [0.6, 0.6]))),),
+    )
+
+
+def measured(*frames: FrameFit, references: dict[str, SurfaceMesh] | None = None) -> Measured:
+    return measure(
+        Reconstruction("case-01", Axes.RAS, frames),
+        options=Options(formats=[MeshFormat.STL, MeshFormat.VTP]),
+        warnings=["look"],
+        provenance=PROVENANCE,
+        references=references,
     )
 
 
 def report_of(*frames: FrameFit) -> Report:
-    return build_report(
-        Reconstruction("case-01", Axes.RAS, frames),
-        options=Options(formats=[MeshFormat.STL, MeshFormat.VTP]),
-        warnings=["look"],
-        timings_s={"fitting": 1.0},
-        provenance=PROVENANCE,
-    )
+    return timed(measured(*frames), {"fitting": 1.0}).report
 
 
 def test_a_sphere_measures_as_the_formulas_say() -> None:
@@ -221,7 +227,10 @@ def stack(*, long_axis: bool) -> FrameFit:
         outline = (ContourPoints(upright, closed=True),)
         one = slice_fit(circle(30.0, 0.0), (0.0, 0.0, 0.0))
         contours_mm = {Structure.LV_ENDO: outline}
-        slices.append(replace(one, id="lax", view=View.LAX_4CH, contours_mm=contours_mm))
+        across = np.array([0.0, 1.0, 0.0])
+        slices.append(
+            replace(one, id="lax", view=View.LAX_4CH, normal=across, contours_mm=contours_mm)
+        )
     return frame("ED", 30.0, *slices)
 
 
@@ -301,3 +310,91 @@ def test_a_triangle_without_area_has_no_aspect_ratio_in_the_report() -> None:
     )
     assert surface.quality.aspect_ratio_max is None
     assert surface.quality.min_angle_deg == 0.0
+
+
+def test_losses_are_told_by_iteration_and_their_means_by_level() -> None:
+    (level,) = report_of(frame("ED", 30.0)).frames[0].levels
+    assert level.iterations.bce == [0.6, 0.4]
+    assert level.iterations.hinge == [0.0, 2.0]
+    assert (level.bce, level.hinge, level.total) == pytest.approx((0.5, 1.0, 0.6))
+
+
+def test_a_slice_that_was_left_out_is_measured_on_the_surface_without_it() -> None:
+    one = frame("ED", 30.0)
+    without = replace(one, held_out={"sax-00": {Structure.LV_ENDO: sphere(27.0)}})
+    report = report_of(without).frames[0]
+    assert report.slices[0].held_out_mm[Structure.LV_ENDO].mean == pytest.approx(3.0, abs=0.03)
+    surface = report.surfaces[Structure.LV_ENDO]
+    assert surface.held_out_mm == report.slices[0].held_out_mm[Structure.LV_ENDO]
+    assert surface.held_out_by_view_mm == {"short_axis": surface.held_out_mm}
+    plain = report_of(one).frames[0]
+    assert plain.surfaces[Structure.LV_ENDO].held_out_mm is None
+    assert plain.slices[0].held_out_mm == {}
+
+
+def test_the_spread_of_an_ensemble_is_told_at_every_vertex() -> None:
+    """Spheres 1 mm within and without: squares sum to 2, over two members."""
+    members = tuple({Structure.LV_ENDO: sphere(radius)} for radius in (29.0, 31.0))
+    found = measured(replace(frame("ED", 30.0), members=members))
+    surface = found.report.frames[0].surfaces[Structure.LV_ENDO]
+    assert surface.deviation_mm is not None
+    assert surface.deviation_mm.mean == pytest.approx(1.0, abs=0.01)
+    deviation = found.frames[0].surfaces[Structure.LV_ENDO].fields["deviation_mm"]
+    np.testing.assert_allclose(deviation, 1.0, atol=0.02)
+
+
+def test_a_reference_is_measured_against_and_at_every_vertex() -> None:
+    found = measured(frame("ED", 30.0), references={"ED_lv_endo": sphere(32.0)})
+    surface = found.report.frames[0].surfaces[Structure.LV_ENDO]
+    assert surface.reference is not None
+    assert surface.reference.mean_mm == pytest.approx(2.0, abs=0.02)
+    assert surface.reference.hausdorff_mm == pytest.approx(2.0, abs=0.05)
+    assert surface.reference.by_view["short_axis"].distance_mm.mean == pytest.approx(2.0, abs=0.02)
+    drawn = found.frames[0].surfaces[Structure.LV_ENDO]
+    assert drawn.reference is not None
+    np.testing.assert_allclose(drawn.fields["distance_mm"], 2.0, atol=0.05)
+    assert found.frames[0].slices[0].reference_sections.keys() == {Structure.LV_ENDO}
+    assert report_of(frame("ED", 30.0)).frames[0].surfaces[Structure.LV_ENDO].reference is None
+
+
+def test_vertices_carry_what_is_known_there_and_nothing_else() -> None:
+    fit = stack(long_axis=True)
+    mesh = fit.surfaces[Structure.LV_ENDO]
+    count = len(mesh.vertices_mm)
+    flat = LevelSetCurvature(np.full(count, 1.0 / 900.0), np.full(count, 1.0 / 30.0))
+    found = measured(replace(fit, curvature={Structure.LV_ENDO: flat}))
+    fields = found.frames[0].surfaces[Structure.LV_ENDO].fields
+    assert set(fields) == {
+        "support_mm",
+        "residual_mm",
+        "gaussian_curvature_per_mm2",
+        "mean_curvature_per_mm",
+        "third",
+    }
+    assert set(fields) < set(FIELDS)
+    assert all(np.isfinite(numbers).all() for numbers in fields.values())
+    third = fields["third"]
+    assert third[mesh.vertices_mm[:, 2].argmin()] == 0.0
+    assert third[mesh.vertices_mm[:, 2].argmax()] == 2.0
+
+
+def test_sections_of_an_open_surface_end_at_its_rim() -> None:
+    fit = stack(long_axis=True)
+    whole = fit.surfaces[Structure.LV_ENDO]
+    below = (whole.triangles_mm[:, :, 2] < 10.0).all(axis=1)
+    cup = SurfaceMesh(whole.vertices_mm, whole.faces[below])
+    frames = measured(replace(fit, surfaces={Structure.LV_ENDO: cup})).frames
+    sections = {one.id: one.sections for one in frames[0].slices}
+    (ring,) = sections["sax-02"][Structure.LV_ENDO]
+    np.testing.assert_allclose(ring[0], ring[-1])
+    (arc,) = sections["lax"][Structure.LV_ENDO]
+    assert np.linalg.norm(arc[0] - arc[-1]) > 30.0
+
+
+def test_what_warnings_say_is_among_the_concerns() -> None:
+    report = report_of(stack(long_axis=False))
+    texts = [one.text for one in report.concerns]
+    assert set(report.warnings) <= set(texts)
+    assert [one.severity for one in report.concerns] == sorted(
+        one.severity for one in report.concerns
+    )

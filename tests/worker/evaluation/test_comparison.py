@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from worker.evaluation.comparison import compared
+from worker.evaluation.comparison import closed_volume_ml, compared, volume_difference_percent
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -35,3 +35,21 @@ def test_curvature_needs_to_be_asked_for_and_both_surfaces_closed(spheres):
     assert compared(holed, other, samples=500, curvature_edge_mm=3.0).curvature is None
     found = compared(one, other, samples=500, curvature_edge_mm=3.0).curvature
     assert found.mean_per_mm.mean_abs == pytest.approx(1 / 20.0 - 1 / 22.0, rel=0.15)
+
+
+def test_volumes_are_told_apart_only_where_both_are_known(sphere):
+    assert volume_difference_percent(110.0, 100.0) == pytest.approx(10.0)
+    assert volume_difference_percent(None, 100.0) is None
+    assert volume_difference_percent(100.0, None) is None
+    assert volume_difference_percent(100.0, 0.0) is None
+    inward = SurfaceMesh(sphere.vertices_mm, sphere.faces[:, ::-1])
+    assert closed_volume_ml(inward) == pytest.approx(closed_volume_ml(sphere))
+    assert closed_volume_ml(SurfaceMesh(sphere.vertices_mm, sphere.faces[1:])) is None
+
+
+def test_both_forms_measure_the_same_points(spheres):
+    """So they differ by what nearest points and nearest triangles differ by, and no more."""
+    found = compared(spheres(25.0), spheres(20.0), samples=5000)
+    exact, points = found.surface_distance.to_reference, found.point_set_distance.to_reference
+    assert points.samples == exact.samples
+    assert exact.mean_mm < points.mean_mm < exact.mean_mm + 0.1

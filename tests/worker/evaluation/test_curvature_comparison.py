@@ -53,6 +53,37 @@ def test_a_dent_is_found_where_it_is(ball) -> None:
     assert found.above_p75_area_percent == pytest.approx(25.0, abs=3.0)
 
 
+def test_a_deviation_is_told_by_region(ball) -> None:
+    """A bump at the top: there the deviation is, and not below; parts make up the whole."""
+    up = ball.vertices_mm[:, 2] / 20.0
+    height = np.clip((up - 0.7) / 0.3, 0.0, 1.0) ** 2 * 3.0
+    bumped = SurfaceMesh(ball.vertices_mm * (1.0 + height / 20.0)[:, None], ball.faces)
+    regions = {
+        "base": lambda points, normals: points[:, 2] > 0.0,
+        "apex": lambda points, normals: normals[:, 2] <= 0.0,
+        "mid": lambda points, normals: points[:, 2] > 100.0,
+    }
+    for found in (
+        (both := compare_curvature(bumped, ball, regions=regions)).mean_per_mm,
+        both.gaussian_per_mm2,
+    ):
+        parts = found.mean_abs_by_region
+        assert parts.keys() == {"base", "apex"}
+        assert parts["base"] > 5.0 * parts["apex"]
+        assert np.mean([*parts.values()]) == pytest.approx(found.mean_abs, rel=0.05)
+    assert compare_curvature(ball, ball).mean_per_mm.mean_abs_by_region == {}
+
+
+def test_what_is_thinner_than_any_edge_is_refused(ball) -> None:
+    """Two triangles back to back are closed and have no inside."""
+    flat = SurfaceMesh(
+        np.array([[0.0, 0, 0], [10, 0, 0], [0, 10, 0]]), np.array([[0, 1, 2], [0, 2, 1]])
+    )
+    for pair in ((flat, ball), (ball, flat)):
+        with pytest.raises(InternalError, match="too small or too thin"):
+            compare_curvature(*pair)
+
+
 def test_an_open_surface_is_refused(ball) -> None:
     with pytest.raises(InternalError, match="cannot be remeshed"):
         compare_curvature(SurfaceMesh(ball.vertices_mm, ball.faces[1:]), ball)

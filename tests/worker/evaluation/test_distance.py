@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from schemas.problem import InternalError
-from worker.evaluation.distance import _TREES, points_to_surface_mm, surface_to_surface
+from worker.evaluation.distance import (
+    _TREES,
+    distances_both_ways,
+    points_to_surface_mm,
+    summarised_both_ways,
+    surface_to_surface,
+)
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -78,6 +84,13 @@ def test_directions_are_told_apart(cube, sphere):
 def test_the_seed_decides(cube, sphere):
     assert surface_to_surface(cube, sphere, 500, 3) == surface_to_surface(cube, sphere, 500, 3)
     assert surface_to_surface(cube, sphere, 500, 3) != surface_to_surface(cube, sphere, 500, 4)
+
+
+def test_what_is_summarised_can_be_had_point_by_point(cube, sphere):
+    there, back = distances_both_ways(cube, sphere, 500, 3)
+    assert summarised_both_ways(there, back) == surface_to_surface(cube, sphere, 500, 3)
+    assert np.abs(there.points_mm).max(axis=1) == pytest.approx(5.0)
+    np.testing.assert_allclose(back.distances_mm, points_to_surface_mm(back.points_mm, cube))
 
 
 def test_a_mesh_is_prepared_once_and_forgotten_with_it(spheres):

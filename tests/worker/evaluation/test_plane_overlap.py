@@ -6,8 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
+from intake.planes import Plane
 from schemas.vocabulary import View
 from worker.evaluation.plane_overlap import enclosed, plane_dice
+from worker.evaluation.section import section
 from worker.evaluation.support import AlignedOutline
 from worker.surface_mesh import SurfaceMesh
 
@@ -26,6 +28,12 @@ def circle(radius_mm: float, centre: tuple[float, float] = (0.0, 0.0), z: float 
     return outline(np.column_stack(points), True)
 
 
+def overlap(mesh, outlines, origin_mm: np.ndarray, normal: np.ndarray) -> float | None:
+    """Of a closed mesh's section on a plane."""
+    plane = Plane.through(origin_mm, normal)
+    return plane_dice(section(mesh, origin_mm, normal), outlines, plane)
+
+
 def square(side: float, corner: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     return np.array(corner) + side * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
@@ -37,23 +45,21 @@ def test_circles_about_one_centre(sphere, height: float, factor: float) -> None:
     radius_mm = np.sqrt(20.0**2 - height**2)
     outlines = [circle(factor * radius_mm, z=height)]
     expected = 2.0 * min(1.0, factor**2) / (1.0 + factor**2)
-    found = plane_dice(sphere, outlines, np.array([0.0, 0.0, height]), Z)
+    found = overlap(sphere, outlines, np.array([0.0, 0.0, height]), Z)
     assert found == pytest.approx(expected, abs=2e-3)
 
 
 def test_a_plane_that_misses_one_of_both(sphere) -> None:
     beyond = np.array([0.0, 0.0, 30.0])
-    assert plane_dice(sphere, [circle(5.0, z=30.0)], beyond, Z) == 0.0
-    assert plane_dice(sphere, [], ORIGIN, Z) == 0.0
-    assert plane_dice(sphere, [], beyond, Z) is None
+    assert overlap(sphere, [circle(5.0, z=30.0)], beyond, Z) == 0.0
+    assert overlap(sphere, [], ORIGIN, Z) == 0.0
+    assert overlap(sphere, [], beyond, Z) is None
 
 
 def test_a_hole_in_a_hole(torus) -> None:
     """The torus is cut into a ring from 15 to 25 mm."""
-    assert plane_dice(torus, [circle(25.0), circle(15.0)], ORIGIN, Z) == pytest.approx(
-        1.0, abs=0.01
-    )
-    filled = plane_dice(torus, [circle(25.0)], ORIGIN, Z)
+    assert overlap(torus, [circle(25.0), circle(15.0)], ORIGIN, Z) == pytest.approx(1.0, abs=0.01)
+    filled = overlap(torus, [circle(25.0)], ORIGIN, Z)
     assert filled == pytest.approx(2.0 * 400.0 / (400.0 + 625.0), abs=0.01)
 
 
@@ -61,8 +67,8 @@ def test_beyond_the_chord_of_an_open_outline_nothing_is_asked(sphere) -> None:
     """An arc over three quarters of a circle's height is closed by a chord, and so is the cut."""
     angle = np.linspace(np.radians(-210.0), np.radians(30.0), 400)
     arc = 20.0 * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(400)])
-    assert plane_dice(sphere, [outline(arc, False)], ORIGIN, Z) == pytest.approx(1.0, abs=2e-3)
-    closed = plane_dice(sphere, [outline(arc, True)], ORIGIN, Z)
+    assert overlap(sphere, [outline(arc, False)], ORIGIN, Z) == pytest.approx(1.0, abs=2e-3)
+    closed = overlap(sphere, [outline(arc, True)], ORIGIN, Z)
     share = (2.0 / 3.0 * np.pi + np.sin(np.radians(120.0)) / 2.0) / np.pi
     assert closed == pytest.approx(2.0 * share / (1.0 + share), abs=2e-3)
 
@@ -74,8 +80,8 @@ def test_moving_everything_changes_nothing(sphere) -> None:
     )
     moved = SurfaceMesh(sphere.vertices_mm @ turn.T + shift, sphere.faces)
     given = circle(18.0, (3.0, 1.0), 4.0)
-    here = plane_dice(sphere, [given], np.array([0.0, 0.0, 4.0]), Z)
-    there = plane_dice(
+    here = overlap(sphere, [given], np.array([0.0, 0.0, 4.0]), Z)
+    there = overlap(
         moved,
         [outline(given.points_mm @ turn.T + shift, True)],
         turn @ np.array([0.0, 0.0, 4.0]) + shift,

@@ -35,8 +35,13 @@ def test_it_is_symmetric_and_agrees_with_scipy():
     first, second = generator.normal(size=(300, 3)), generator.normal(size=(200, 3)) + 0.5
     found = point_set_distance(first, second)
     turned = point_set_distance(second, first)
-    # But for the threshold, which is of the first set alone.
-    assert replace(found, optimal_threshold_mm=0.0) == replace(turned, optimal_threshold_mm=0.0)
+    assert found.to_reference == turned.from_reference
+    assert found.from_reference == turned.to_reference
+    # But for these, and the threshold, which is of the first set alone.
+    directed = {name: getattr(found, name) for name in ("to_reference", "from_reference")}
+    assert replace(found, optimal_threshold_mm=0.0) == replace(
+        turned, optimal_threshold_mm=0.0, **directed
+    )
     within = cKDTree(second).query(first)[0] <= found.optimal_threshold_mm
     assert within.mean() == pytest.approx(0.9, abs=0.005)
     there, back = directed_hausdorff(first, second)[0], directed_hausdorff(second, first)[0]
@@ -69,3 +74,17 @@ def test_the_root_of_the_mean_square_is_never_below_the_mean():
         first, second = generator.normal(size=(2, 50, 3))
         found = point_set_distance(first, second * generator.uniform(0.1, 3.0))
         assert found.rmse_mm >= found.mae_mm
+
+
+def test_directed_distances_are_those_that_the_others_are_made_of():
+    generator = np.random.default_rng(4)
+    near, spread = generator.normal(size=(300, 3)), 3.0 * generator.normal(size=(200, 3))
+    found = point_set_distance(near, spread)
+    there, back = cKDTree(spread).query(near)[0], cKDTree(near).query(spread)[0]
+    assert found.to_reference.mean_mm == pytest.approx(there.mean())
+    assert found.from_reference.max_mm == pytest.approx(back.max())
+    assert (found.to_reference.samples, found.from_reference.samples) == (300, 200)
+    ways = found.to_reference, found.from_reference
+    assert found.chamfer_mm2 == pytest.approx(sum(way.rms_mm**2 for way in ways))
+    assert found.hausdorff90_mm == max(way.p90_mm for way in ways)
+    assert found.optimal_threshold_mm == found.to_reference.p90_mm

@@ -3,7 +3,7 @@ import pytest
 import trimesh
 
 from schemas.vocabulary import Structure
-from worker.evaluation.section import section
+from worker.evaluation.section import section, section_lines
 from worker.evaluation.size import volume_ml
 from worker.phantom.analytic_heart import heart
 from worker.phantom.outline import enclosed_mm2, perimeter_mm
@@ -135,3 +135,18 @@ def test_the_order_of_faces_does_not_matter(torus):
         for mesh in (torus, shuffled)
     ]
     assert lengths[0] == pytest.approx(lengths[1])
+
+
+def test_a_surface_with_a_rim_is_cut_from_rim_to_rim(sphere) -> None:
+    """The lower cap of a sphere of 20 mm: an arc upright, a ring across."""
+    below = (sphere.triangles_mm[:, :, 2] < 5.0).all(axis=1)
+    cup = SurfaceMesh(sphere.vertices_mm, sphere.faces[below])
+    origin = np.array([0.0, 0.01, -4.0])
+    (arc,) = section_lines(cup, origin, np.array([0.0, 1.0, 0.0]))
+    np.testing.assert_allclose(np.linalg.norm(arc, axis=1), 20.0, atol=0.05)
+    np.testing.assert_allclose(arc[[0, -1], 2], 5.0, atol=1.5)
+    assert np.linalg.norm(arc[0] - arc[-1]) > 35.0
+    (ring,) = section_lines(cup, origin, np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_array_equal(ring[0], ring[-1])
+    (loop,) = section(cup, origin, np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_array_equal(loop, ring[:-1])

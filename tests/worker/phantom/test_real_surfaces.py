@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from cli.mesh_file import read_surface
 from schemas.study import ContourStudy
 from worker.evaluation.distance import points_to_surface_mm
 from worker.evaluation.section import section
+from worker.mesh_file import read_surface
 from worker.phantom.outline import enclosed_mm2
 
 CASES = Path(__file__).parents[4] / "shared" / "data" / "cases"

@@ -43,6 +43,25 @@ def test_gradients_agree_with_differences(evaluation: FieldEvaluation) -> None:
             )
 
 
+def test_second_derivatives_agree_with_differences_of_the_first(
+    evaluation: FieldEvaluation,
+) -> None:
+    points = np.random.default_rng(2).uniform(-1, 1, (50, 3))
+    for surface in (0, 1):
+        gradients, hessians = evaluation.gradient_and_hessian(points, surface)
+        np.testing.assert_allclose(
+            gradients, evaluation.logits_and_gradient(points, surface)[1], rtol=1e-3, atol=1e-3
+        )
+        np.testing.assert_allclose(hessians, np.swapaxes(hessians, 1, 2), rtol=1e-3, atol=1e-3)
+        for axis in range(3):
+            step = 1e-2 * np.eye(3)[axis]
+            _, ahead = evaluation.logits_and_gradient(points + step, surface)
+            _, behind = evaluation.logits_and_gradient(points - step, surface)
+            np.testing.assert_allclose(
+                hessians[:, axis], (ahead - behind) / 2e-2, rtol=0.05, atol=0.2
+            )
+
+
 def test_no_points_no_logits(evaluation: FieldEvaluation) -> None:
     assert evaluation.logits(np.empty((0, 3))).shape == (0, 2)
 

@@ -10,6 +10,7 @@ from worker.observer import Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.fit import FieldFit, fit_field
 from worker.reconstruction.hull import inflated_hull
+from worker.reconstruction.network import TissueField
 from worker.reconstruction.normalisation import normalise
 from worker.reconstruction.samples import LabelledSamples
 from worker.reconstruction.sampling import level_radius, sample_level
@@ -39,7 +40,7 @@ def options_with(**loss: float) -> Options:
     )
 
 
-def fitted(stack: UnitStack, options: Options) -> FieldFit:
+def fitted(stack: UnitStack, options: Options, start: TissueField | None = None) -> FieldFit:
     hull = inflated_hull(stack.points_unit, options.sampling.hull_inflation)
     rng = np.random.default_rng(0)
 
@@ -50,7 +51,7 @@ def fitted(stack: UnitStack, options: Options) -> FieldFit:
         )
 
     shifts = SliceShifts(stack, no_evidence(len(stack.slices), 0.05), 0.2)
-    return fit_field(samples_of, shifts, CLASSES, options, Unobserved())
+    return fit_field(samples_of, shifts, CLASSES, options, Unobserved(), start)
 
 
 def on_contours(stack: UnitStack, fit: FieldFit) -> float:
@@ -74,7 +75,7 @@ def test_weight_on_contours_brings_their_logits_to_zero(stack: UnitStack) -> Non
 
 def test_weight_on_the_hinge_flattens_the_field(stack: UnitStack) -> None:
     free, capped = (
-        fitted(stack, options_with(hinge_weight=weight, hinge_slope=5.0)).levels[-1].hinge
+        fitted(stack, options_with(hinge_weight=weight, hinge_slope=5.0)).levels[-1].hinge.mean()
         for weight in (1e-6, 1.0)
     )
     assert capped < 0.2 * free
@@ -82,11 +83,23 @@ def test_weight_on_the_hinge_flattens_the_field(stack: UnitStack) -> None:
 
 def test_without_a_hinge_none_is_computed(stack: UnitStack) -> None:
     fit = fitted(stack, options_with(hinge_weight=0.0))
-    assert all(level.hinge == 0.0 for level in fit.levels)
+    assert all((level.hinge == 0.0).all() for level in fit.levels)
 
 
 def test_levels_report_falling_losses_and_the_mix(stack: UnitStack) -> None:
     first, second = fitted(stack, options_with()).levels
     assert (first.level, second.level) == (0, 1)
-    assert second.bce < first.bce
+    assert first.bce.shape == first.hinge.shape == (60,)
+    assert second.bce.mean() < first.bce.mean()
     assert second.samples == 2 * first.samples
+
+
+def test_a_fit_goes_on_from_a_field_and_leaves_that_as_it_was(stack: UnitStack) -> None:
+    options = options_with()
+    first = fitted(stack, options)
+    before = [p.detach().clone() for p in first.field.parameters()]
+    second = fitted(stack, options, start=first.field)
+    for now, then in zip(first.field.parameters(), before, strict=True):
+        torch.testing.assert_close(now.detach(), then, rtol=0.0, atol=0.0)
+    assert second.levels[0].bce[:5].mean() < first.levels[0].bce[:5].mean()
+    assert on_contours(stack, second) < on_contours(stack, first)

@@ -118,3 +118,12 @@ def test_extreme_logits_stay_finite_and_so_do_their_gradients(scale: float) -> N
     assert z.grad.abs().max() <= len(CLASSES.surfaces) + 1e-3
     jacobian = torch.ones(3, 200, CLASSES.class_count)
     assert surface_logits.gradient(z, jacobian).isfinite().all()
+
+
+@pytest.mark.parametrize("surface", range(len(CLASSES.surfaces)))
+def test_one_alone_is_as_among_all(surface: int) -> None:
+    z = random_logits(200, 3.0, 5)
+    logits = SurfaceLogits(CLASSES)
+    torch.testing.assert_close(
+        logits.of_one(z, surface), logits(z)[:, surface], rtol=1e-4, atol=1e-5
+    )

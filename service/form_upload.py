@@ -1,0 +1,134 @@
+"""A multipart submission, taken apart: one JSON part, files by name, and reference meshes."""
+
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import BinaryIO
+
+from fastapi import Request
+from starlette.datastructures import FormData, UploadFile
+
+from intake.limits import Limits
+from intake.references import reference_part, referenced_surface
+from schemas.problem import InputError, ProblemPart, ProblemType
+from schemas.vocabulary import Structure
+
+FORM = "multipart/form-data"
+REQUEST_PART = "request"
+
+
+@dataclass(frozen=True)
+class FormUpload:
+    """The parts of the form. Files lie on disk, or in memory below 1 MB, until the answer.
+
+    files: by the name of their part. references: by the surface that they are the truth of.
+    """
+
+    request: bytes
+    files: dict[str, BinaryIO] = field(default_factory=dict)
+    references: dict[str, BinaryIO] = field(default_factory=dict)
+
+
+@asynccontextmanager
+async def received_form(
+    request: Request, files: Sequence[str], limits: Limits, *, max_json_bytes: int
+) -> AsyncIterator[FormUpload]:
+    """Read the form, part by part to disk; the files are closed with the context.
+
+    Args:
+        request: Its body is a form.
+        files: Parts that may come beside `request` and the references, each a file.
+        limits: How many references may come.
+        max_json_bytes: Of the part `request`.
+
+    Names that the client gives its files are not looked at. Raises InputError.
+    """
+    most = 1 + len(files) + limits.max_references
+    async with request.form(
+        # One more than is welcome, to be refused by name below; and so are files sent as text.
+        max_files=most + 1,
+        max_fields=most + 1,
+        max_part_size=max_json_bytes,
+    ) as form:
+        _check_names(form, files, limits)
+        raw = await _json_part(form, max_json_bytes)
+        _check_files(form, files)
+        sent = {name: part.file for name, part in form.items() if isinstance(part, UploadFile)}
+        yield FormUpload(
+            raw,
+            {name: sent[name] for name in files if name in sent},
+            {
+                surface: file
+                for name, file in sent.items()
+                if (surface := referenced_surface(name)) is not None
+            },
+        )
+
+
+def _check_names(form: FormData, files: Sequence[str], limits: Limits) -> None:
+    names = [name for name, _ in form.multi_items()]
+    references = [name for name in dict.fromkeys(names) if referenced_surface(name) is not None]
+    known = [REQUEST_PART, *files, *references]
+    faults = [
+        ProblemPart(pointer=name, detail=_unknown(name)) for name in names if name not in known
+    ]
+    faults += [
+        ProblemPart(pointer=name, detail="sent more than once")
+        for name in sorted(known)
+        if names.count(name) > 1
+    ]
+    faults += [
+        ProblemPart(pointer=name, detail=f"one more than {limits.max_references} references")
+        for name in references[limits.max_references :]
+    ]
+    if REQUEST_PART not in names:
+        faults.append(ProblemPart(pointer=REQUEST_PART, detail="missing"))
+    _refuse(faults, files)
+
+
+def _unknown(name: str) -> str:
+    if name.startswith(reference_part("")):
+        return f"names no surface; its end is one of {', '.join(Structure)}"
+    return "unknown part"
+
+
+async def _json_part(form: FormData, max_bytes: int) -> bytes:
+    body = form[REQUEST_PART]
+    if isinstance(body, UploadFile):
+        # `curl -F 'request=@request.json'` sends the JSON as a file; that is welcome too.
+        raw = await body.read(max_bytes + 1)
+    else:
+        raw = body.encode()
+    if len(raw) > max_bytes:
+        raise InputError(
+            ProblemType.TOO_LARGE,
+            f"part `{REQUEST_PART}` has more than {max_bytes} bytes. Remedy: send nothing but the "
+            "request in it, and maps and meshes as files.",
+            pointer=REQUEST_PART,
+            status=413,
+        )
+    return raw
+
+
+def _check_files(form: FormData, files: Sequence[str]) -> None:
+    _refuse(
+        [
+            ProblemPart(pointer=name, detail="not a file: give the part a filename")
+            for name, part in form.items()
+            if name != REQUEST_PART and not isinstance(part, UploadFile)
+        ],
+        files,
+    )
+
+
+def _refuse(faults: list[ProblemPart], files: Sequence[str]) -> None:
+    if faults:
+        others = f", the files {', '.join(files)}, those there are," if files else ""
+        raise InputError(
+            ProblemType.INVALID_REQUEST,
+            f"part `{faults[0].pointer}`: {faults[0].detail}. Remedy: send one JSON part "
+            f"`{REQUEST_PART}`{others} and references as files called by frame and structure, "
+            f"like {reference_part('ED_lv_endo')}, each once.",
+            pointer=faults[0].pointer,
+            errors=faults,
+        )

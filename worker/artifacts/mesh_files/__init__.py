@@ -1,0 +1,1 @@
+"""One file a format: how each writes a surface, and where it keeps what is known of it."""

@@ -1,0 +1,1 @@
+"""`report.html`: one page with its scripts, figures and style inside."""

@@ -1,0 +1,86 @@
+"""`report.html`: the report and its figures as one page that needs no network and no other file."""
+
+import math
+import re
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+
+from worker.artifacts.measured import Measured
+from worker.artifacts.page.charts import charts
+from worker.artifacts.page.display_mesh import triangles_a_surface
+from worker.artifacts.page.frame_page import FramePage
+from worker.artifacts.page.overlays import panels
+from worker.artifacts.page.palette import STRUCTURE_COLOURS
+from worker.artifacts.page.scene import scene
+from worker.artifacts.page.script_json import script_json
+
+_CODE = re.compile("`([^`]*)`")
+
+_PAGES = Environment(
+    loader=PackageLoader("worker.artifacts.page"),
+    autoescape=True,
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+)
+_PAGES.filters["length_of"] = lambda vector: math.hypot(*vector)
+# Messages write `names` as in Markdown; what is between backticks is escaped like all else.
+_PAGES.filters["with_code"] = lambda text: Markup(_CODE.sub(r"<code>\1</code>", str(escape(text))))
+
+
+def render_html(measured: Measured) -> str:
+    """The page: every text in it escaped, numbers rounded for reading, the same for the same input.
+
+    Tables and slice panels are plain HTML; 3D views and charts are drawn by plotly.js, which is in
+    the page, once.
+    """
+    # Loaded here: it is of no use to a process that renders nothing.
+    from plotly.offline import get_plotlyjs
+
+    report = measured.report
+    triangles = triangles_a_surface(len(measured.frames))
+    reports = {frame.label: frame for frame in report.frames}
+    frames = [
+        FramePage(
+            id=f"frame{number}",
+            report=reports[frame.label],
+            scene=scene(frame, report.axes, triangles),
+            charts=charts(reports[frame.label], frame, report.options.loss.hinge_weight),
+            panels=panels(frame, report.axes),
+        )
+        for number, frame in enumerate(measured.frames)
+    ]
+    return _PAGES.get_template("page.html.j2").render(
+        report=report,
+        frames=frames,
+        figures=script_json(_figures(frames)),
+        colours=STRUCTURE_COLOURS,
+        plotly=_script(get_plotlyjs()),
+        script=_script(_beside("page.js")),
+        style=Markup(_beside("page.css")),  # noqa: S704  our own file
+    )
+
+
+def _figures(frames: Sequence[FramePage]) -> dict[str, Any]:
+    """By the id of the element that each is drawn in."""
+    return {
+        "scenes": {f"{one.id}-scene": one.scene for one in frames},
+        "charts": {
+            f"{one.id}-chart{number}": chart.figure
+            for one in frames
+            for number, chart in enumerate(one.charts)
+        },
+    }
+
+
+def _script(text: str) -> Markup:
+    """A program of our own or of plotly, which must not end the element that it stands in."""
+    return Markup(text.replace("</script", "<\\/script").replace("<!--", "<\\!--"))  # noqa: S704
+
+
+def _beside(name: str) -> str:
+    return files("worker.artifacts.page").joinpath(name).read_text(encoding="utf-8")
