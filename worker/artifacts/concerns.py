@@ -1,5 +1,6 @@
 """What to worry about first: everything suspicious about a reconstruction, ranked."""
 
+import re
 from collections.abc import Sequence
 from typing import Literal
 
@@ -23,6 +24,8 @@ from worker.artifacts.volume_findings import function_findings, volume_findings
 _SHOWN = 3
 """Of one kind; of more, only how many."""
 
+_WITH_DIGITS = re.compile(r"\S*\d\S*")
+
 
 def concerns(
     frames: Sequence[FrameReport],
@@ -34,7 +37,8 @@ def concerns(
     """All that a reader should look at before using the surfaces, the gravest first.
 
     Every text says what, where, how much and what to do. Of a kind the worst are named and the rest
-    counted. Warnings are taken over word for word, as notable, each once.
+    counted. Warnings are taken over word for word, as notable, each once, and are of one kind where
+    they are alike.
 
     Args:
         frames: As measured.
@@ -42,24 +46,44 @@ def concerns(
         function: Pump function, if it was measured.
         open_base: Whether surfaces are meant to have a rim at the valves.
     """
-    kinds: list[tuple[str, list[Finding]]] = [
+    of_frames, of_input = _split(warnings, frames)
+    kinds: list[tuple[str, Sequence[Finding]]] = [
         ("faults of surfaces", topology_findings(frames, open_base)),
         ("implausible volumes", volume_findings(frames)),
         ("doubts about the pump function", function_findings(frames, function, open_base)),
+        *_alike(of_frames),
         ("surfaces far from their reference", reference_findings(frames)),
         ("surfaces that pass through each other", contact_findings(frames)),
         ("contours that the surface misses", residual_findings(frames)),
         ("slices with little overlap", overlap_findings(frames)),
         ("surfaces that hang on a single slice", held_out_findings(frames)),
         ("surfaces on which fits disagree", spread_findings(frames)),
+        *_alike(of_input),
         ("displaced slices", shift_findings(frames)),
         ("slices of uncertain place", uncertain_shift_findings(frames)),
     ]
-    measured = [one for name, findings in kinds for one in _worst(name, findings)]
-    # Graver than the measured doubts below them, for they tell what the input lacks.
-    said = [Concern(severity="notable", text=text) for text in dict.fromkeys(warnings)]
-    grave = [one for one in measured if one.severity == "grave"]
-    return [*grave, *said, *(one for one in measured if one.severity == "notable")]
+    ranked = [one for name, findings in kinds for one in _worst(name, findings)]
+    # Stable: within a severity the kinds stay in the order above.
+    return sorted(ranked, key=lambda one: one.severity != "grave")
+
+
+def _split(
+    warnings: Sequence[str], frames: Sequence[FrameReport]
+) -> tuple[Sequence[str], Sequence[str]]:
+    """Warnings that begin with a frame's label, which its surfaces gave rise to, and all others,
+    each once.
+    """
+    begins = tuple(f"{one.label}{end}" for one in frames for end in (" ", ":"))
+    each = dict.fromkeys(warnings)
+    return [w for w in each if w.startswith(begins)], [w for w in each if not w.startswith(begins)]
+
+
+def _alike(warnings: Sequence[str]) -> list[tuple[str, Sequence[Finding]]]:
+    """Warnings that differ in names with digits and in numbers only are of one kind."""
+    kinds: dict[str, list[Finding]] = {}
+    for text in warnings:
+        kinds.setdefault(_WITH_DIGITS.sub("", text), []).append(Finding(False, 0.0, text))
+    return [("warnings like these", findings) for findings in kinds.values()]
 
 
 def _worst(kind: str, findings: Sequence[Finding]) -> list[Concern]:
@@ -69,7 +93,7 @@ def _worst(kind: str, findings: Sequence[Finding]) -> list[Concern]:
         shown, rest = ranked, []
     found = [Concern(severity=_severity(one), text=one.text) for one in shown]
     if rest:
-        text = f"And {len(rest)} more {kind}; the tables below name them."
+        text = f"And {len(rest)} more {kind}; all of them are listed below."
         found.append(Concern(severity=_severity(rest[0]), text=text))
     return found
 

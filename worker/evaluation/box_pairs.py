@@ -20,7 +20,7 @@ SomePairs = Int[np.ndarray, "_ 2"]
 """Pairs where a function speaks of several sets, of different counts."""
 
 BLOCK = 2048
-"""Boxes looked up at once: no more than 2048 pairs for each box of the other set are held, even when
+"""Boxes looked up at once: 2048 pairs for each box of the other set are held at most, even when
 every box overlaps every other."""
 
 

@@ -30,6 +30,7 @@ from worker.evaluation.box_pairs import (
     pairs_between,
     pairs_within,
 )
+from worker.evaluation.distance import points_to_surface_mm
 from worker.surface_mesh import SurfaceMesh
 
 TOUCHING_MM = 1e-6
@@ -57,8 +58,22 @@ def crossings(one: SurfaceMesh, other: SurfaceMesh) -> Pairs:
 
     Empty for surfaces that are apart, inside one another, or touch. Both in the same axes.
     """
-    triangles, others = one.triangles_mm, other.triangles_mm
-    return _passing_through(triangles, others, pairs_between(triangles, others))
+    if not len(one.faces) or not len(other.faces):
+        return np.zeros((0, 2), dtype=np.int64)
+    near = _within_reach(one, other)
+    triangles, others = one.triangles_mm[near], other.triangles_mm
+    pairs = _passing_through(triangles, others, pairs_between(triangles, others))
+    return np.column_stack([near[pairs[:, 0]], pairs[:, 1]])
+
+
+def _within_reach(one: SurfaceMesh, other: SurfaceMesh) -> Int[np.ndarray, " _"]:
+    """Faces of one that may meet the other: of such a face no corner is further from the other
+    surface than the longest edge is long, for somewhere in it that distance is zero.
+    """
+    triangles = one.triangles_mm
+    longest = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+    away = points_to_surface_mm(one.vertices_mm, other)[one.faces].max(axis=1)
+    return np.flatnonzero(away <= longest + TOUCHING_MM)
 
 
 def _passing_through(

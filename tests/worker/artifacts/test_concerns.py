@@ -169,6 +169,17 @@ def test_warnings_are_taken_over_word_for_word_and_once() -> None:
     ]
 
 
+def test_warnings_that_are_alike_are_counted_and_those_of_surfaces_come_first() -> None:
+    alike = [f"Slice sax-0{n}: {n} % of rv_endo lies within lv_epi." for n in range(6)]
+    found = concerns([frame(slices=[good_slice(dice={ENDO: 0.8})])], [*alike, "ED: said of it."])
+    texts = [one.text for one in found]
+    assert texts[0] == "ED: said of it."
+    assert "Dice" in texts[1]
+    assert texts[2:5] == alike[:3]
+    assert texts[5].startswith("And 3 more warnings like these")
+    assert len(texts) == 6
+
+
 def test_the_gravest_comes_first() -> None:
     bad = frame(
         {ENDO: surface_report(watertight=False, volume_ml=None)},
@@ -179,6 +190,7 @@ def test_the_gravest_comes_first() -> None:
     assert "not closed" in found[0].text
     assert "Dice of 0.20" in found[1].text
     assert found[2].text == "said on the way"
+    assert "9.0 mm" in found[3].text
 
 
 def test_of_a_kind_the_worst_three_are_named_and_the_rest_counted() -> None:

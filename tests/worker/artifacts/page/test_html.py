@@ -219,6 +219,12 @@ def test_the_page_says_so_where_there_is_nothing_to_worry_about() -> None:
     assert "Nothing stood out" in page_of(report(concerns=[]))
 
 
+def test_many_warnings_are_listed_in_full() -> None:
+    assert "All warnings" not in page_of(report(warnings=["one"] * 9))
+    page = page_of(report(warnings=[f"number {n} & more" for n in range(5)]))
+    assert page.count("&amp; more</li>") == 5
+
+
 def test_names_in_messages_are_set_as_code() -> None:
     concern = report().concerns[0].model_copy(update={"text": "set `a < b` and `c`, not ` alone"})
     page = page_of(report(concerns=[concern]))
