@@ -1,6 +1,7 @@
 """One subject from contour study to files: the whole of a job but the job.
 
-The Celery task and `neuralmri reconstruct` both come here, so their meshes are the same bytes.
+The Celery task and `neuralmri reconstruct` both come here, so their meshes are the
+same bytes, but for the job that a file names.
 """
 
 from collections.abc import Mapping, Sequence

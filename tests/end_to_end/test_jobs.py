@@ -31,7 +31,20 @@ def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
 
 
 def meshes(folder: Path) -> dict[str, bytes]:
-    return {p.name: p.read_bytes() for p in folder.iterdir() if p.suffix in (".stl", ".obj")}
+    return {
+        p.name: geometry(p.name, p.read_bytes())
+        for p in folder.iterdir()
+        if p.suffix in (".stl", ".obj")
+    }
+
+
+def geometry(name: str, content: bytes) -> bytes:
+    """A mesh file without what it says of itself, the job's id among it."""
+    if name.endswith(".stl"):
+        return content[80:]
+    if name.endswith(".obj"):
+        return b"\n".join(line for line in content.split(b"\n") if not line.startswith(b"#"))
+    return content
 
 
 def test_the_server_and_the_command_line_write_the_same_meshes(
@@ -45,7 +58,9 @@ def test_the_server_and_the_command_line_write_the_same_meshes(
     for artifact in listed:
         content = httpx.get(f"{server.url}{done['links']['artifacts']}/{artifact['name']}").content
         assert hashlib.sha256(content).hexdigest() == artifact["sha256"]
-        served[artifact["name"]] = content
+        served[artifact["name"]] = geometry(artifact["name"], content)
+        if artifact["name"].endswith((".stl", ".obj")):
+            assert job["id"].encode() in content[:200]
     report = httpx.get(f"{server.url}{done['links']['report']}").json()
 
     request = tmp_path / "request.json"
@@ -60,6 +75,31 @@ def test_the_server_and_the_command_line_write_the_same_meshes(
     assert local["frames"] == report["frames"]
     assert local["provenance"] == report["provenance"]
     assert sorted(p.name for p in here.iterdir()) == sorted([*served, "manifest.json"])
+
+
+def test_a_reference_sent_along_is_measured_against(
+    server: ServeProcess, study: dict[str, Any], tmp_path: Path
+) -> None:
+    """A surface made of the same study is its own reference: no distance but that of its file."""
+    request = tmp_path / "request.json"
+    request.write_text(json.dumps({"study": study, "options": {**FAST, "formats": ["ply"]}}))
+    ended = run("reconstruct", request, "--out", tmp_path / "truth")
+    assert ended.returncode == 0, ended.stderr
+    truth = tmp_path / "truth" / "ED_lv_endo.ply"
+
+    answer = httpx.post(
+        f"{server.url}/v1/jobs/contours",
+        data={"request": request.read_text()},
+        files={"reference_ED_lv_endo": ("any name.bin", truth.read_bytes())},
+    )
+    assert answer.status_code == 202, answer.text
+    done = follow(server, answer.json()["id"], "succeeded")
+    report = httpx.get(f"{server.url}{done['links']['report']}").json()
+    surfaces = report["frames"][0]["surfaces"]
+    assert surfaces["lv_endo"]["reference"]["hausdorff_mm"] < 1e-3
+    assert surfaces["lv_epi"]["reference"] is None
+    page = httpx.get(f"{server.url}{done['links']['artifacts']}/report.html")
+    assert "sandbox allow-scripts" in page.headers["content-security-policy"]
 
 
 def test_label_maps_go_the_same_two_ways(server: ServeProcess, tmp_path: Path) -> None:

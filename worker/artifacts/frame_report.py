@@ -12,9 +12,15 @@ from worker.arrays import SomeScalars, Vector
 from worker.artifacts.evidence import aligned_outlines
 from worker.artifacts.held_out import HeldOut, held_out_distances
 from worker.artifacts.left_ventricle import left_ventricle_report, ventricle_place
-from worker.artifacts.measured import MeasuredFrame, MeasuredSlice, MeasuredSurface
+from worker.artifacts.measured import MeasuredFrame, MeasuredSurface
+from worker.artifacts.reference_planes import ViewPlane
 from worker.artifacts.reference_report import MeasuredReference, reference_report
-from worker.artifacts.slice_report import cut_by, own_residuals, slice_report
+from worker.artifacts.slice_report import (
+    cut_by,
+    own_residuals,
+    plane_origin_mm,
+    slice_report,
+)
 from worker.artifacts.surface_crossings import crossing_triangles
 from worker.artifacts.surface_report import surface_report
 from worker.artifacts.vertex_fields import vertex_fields
@@ -52,7 +58,7 @@ def measured_frame(
     closed = {s: mesh for s, mesh in fit.surfaces.items() if is_watertight(mesh)}
     place = ventricle_place(fit.surfaces, outlines, toward_base)
     ventricle = place if isinstance(place, LeftVentricle) else None
-    planes = [cut_by(one, {}, {}) for one in fit.slices]
+    planes = [(one.view, plane_origin_mm(one), one.normal) for one in fit.slices]
     found = {}
     for structure, mesh in fit.surfaces.items():
         if observer.is_cancelled():
@@ -113,7 +119,7 @@ def _against(
     fit: FrameFit,
     structure: Structure,
     references: Surfaces,
-    planes: Sequence[MeasuredSlice],
+    planes: Sequence[ViewPlane],
     toward_base: Vector | None,
     options: Options,
     observer: Observer,
@@ -124,7 +130,7 @@ def _against(
         fit.surfaces[structure],
         references[structure],
         regions=regions(structure, fit.surfaces, toward_base),
-        planes=[(one.view, one.origin_mm, one.normal) for one in planes],
+        planes=planes,
         options=options.reference,
         seed=options.seed,
         observer=observer,

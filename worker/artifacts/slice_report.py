@@ -7,7 +7,7 @@ from intake.planes import Plane
 from schemas.frame_report import SliceReport
 from schemas.measures import DistanceSummary
 from schemas.vocabulary import Structure
-from worker.arrays import SomePoints
+from worker.arrays import SomePoints, Vector
 from worker.artifacts.measured import MeasuredSlice
 from worker.evaluation.plane_overlap import plane_dice
 from worker.evaluation.residuals import Residuals, all_distances_mm
@@ -52,6 +52,16 @@ def slice_report(
     )
 
 
+def plane_origin_mm(fit: SliceFit) -> Vector:
+    """A point (3,) of a slice's plane where alignment moved it to, patient mm."""
+    points_mm = next(
+        (contours[0].points_mm for contours in fit.contours_mm.values() if contours),
+        fit.pivot_mm[None],
+    )
+    origin_mm: Vector = fit.aligned_mm(points_mm[:1])[0]
+    return origin_mm
+
+
 def own_residuals(
     slice_id: str, residuals: Mapping[Structure, Sequence[Residuals]]
 ) -> dict[Structure, list[Residuals]]:
@@ -65,11 +75,7 @@ def own_residuals(
 
 def cut_by(fit: SliceFit, surfaces: Surfaces, references: Surfaces) -> MeasuredSlice:
     """The surfaces, and their references, on a slice's plane where alignment moved it to."""
-    points_mm = next(
-        (contours[0].points_mm for contours in fit.contours_mm.values() if contours),
-        fit.pivot_mm[None],
-    )
-    origin_mm = fit.aligned_mm(points_mm[:1])[0]
+    origin_mm = plane_origin_mm(fit)
 
     def cut(meshes: Surfaces) -> dict[Structure, list[SomePoints]]:
         lines = {s: section_lines(mesh, origin_mm, fit.normal) for s, mesh in meshes.items()}
