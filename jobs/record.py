@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
 from jobs.errors import IllegalTransition
-from schemas.job import Job, JobKind, JobState, Links, Progress, Stage
+from schemas.job import Job, JobKind, JobState, Links, Priority, Progress, Stage
 from schemas.messages import JobRequest, Outcome
 from schemas.problem import Problem
 
@@ -31,6 +31,7 @@ class Record:
     error: Problem | None = None
     token: int = 0
     free_from_us: int = 0
+    priority: Priority = Priority.INTERACTIVE
 
     @classmethod
     def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
@@ -41,6 +42,7 @@ class Record:
             state=JobState.QUEUED,
             created_at=request.created_at,
             free_from_us=now_us,
+            priority=request.priority,
         )
 
     @classmethod
@@ -58,6 +60,8 @@ class Record:
             error=Problem.model_validate_json(fields["error"]) if fields["error"] else None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
+            # Not there in records of before there were priorities.
+            priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
         )
 
     def fields(self) -> dict[str, str]:
@@ -73,6 +77,7 @@ class Record:
             "error": self.error.model_dump_json() if self.error else "",
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
+            "priority": self.priority.value,
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -106,6 +111,7 @@ class Record:
             id=self.job_id,
             kind=self.kind,
             state=self.state,
+            priority=self.priority,
             progress=self.progress,
             created_at=self.created_at,
             started_at=self.started_at,

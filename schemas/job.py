@@ -16,6 +16,13 @@ class JobKind(StrEnum):
     LABELS = "labels"
 
 
+class Priority(StrEnum):
+    """Which jobs go before which; within one priority, the older first."""
+
+    INTERACTIVE = "interactive"
+    BATCH = "batch"
+
+
 class JobState(StrEnum):
     """Where a job stands. Terminal states never change."""
 
@@ -88,6 +95,7 @@ class Job(WireModel):
     id: str
     kind: JobKind
     state: JobState
+    priority: Priority = Priority.INTERACTIVE
     progress: Progress = Field(default_factory=Progress)
     created_at: datetime
     started_at: datetime | None = None

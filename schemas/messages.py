@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import Field
 
 from schemas.base import WireModel
-from schemas.job import JobKind, JobState
+from schemas.job import Job, JobKind, JobState, Priority
 from schemas.labels import LabelRequest
 from schemas.options import Options
 from schemas.problem import Problem
@@ -15,6 +15,9 @@ from schemas.vocabulary import View
 
 RECONSTRUCT_TASK = "neuralmri.reconstruct"
 RECONSTRUCT_QUEUE = "neuralmri"
+
+QUEUES = {Priority.INTERACTIVE: RECONSTRUCT_QUEUE, Priority.BATCH: f"{RECONSTRUCT_QUEUE}-batch"}
+"""Names of queues. A worker looks into them in the order of their names: interactive first."""
 
 
 class ContourRequest(WireModel):
@@ -35,6 +38,7 @@ class JobRequest(WireModel):
     job_id: str
     kind: JobKind
     created_at: datetime
+    priority: Priority = Priority.INTERACTIVE
     contours: ContourRequest | None = None
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
@@ -52,9 +56,14 @@ class Outcome(WireModel):
 
 
 class ReconstructMessage(WireModel):
-    """What the queue carries: a name, never the data."""
+    """What the queue carries: a name, never the data; `priority` says which queue."""
 
     job_id: str
+    priority: Priority = Priority.INTERACTIVE
+
+    @classmethod
+    def of_job(cls, job: Job) -> "ReconstructMessage":
+        return cls(job_id=job.id, priority=job.priority)
 
     def as_kwargs(self) -> dict[str, Any]:
         return self.model_dump(mode="json")

@@ -15,6 +15,11 @@ class ServiceSettings(LimitSettings, JobSettings):
     poll_after_s: int = Field(
         default=2, ge=1, le=3600, description="What `Retry-After` tells a caller who polls a job."
     )
+    batch_turn_s: float = Field(
+        default=600.0,
+        ge=1.0,
+        description="How often a batch job goes first while interactive jobs keep coming.",
+    )
     retry_after_s: int = Field(
         default=10, ge=1, le=3600, description="What `Retry-After` tells a caller we had to fail."
     )

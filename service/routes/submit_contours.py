@@ -18,6 +18,7 @@ from service.examples import CONTOUR_REQUEST
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
 
@@ -58,6 +59,7 @@ def submit_contours(
     upload: Annotated[FormUpload, Depends(_upload)],
     access: Access,
     owner: Owner,
+    terms: Terms,
     response: Response,
 ) -> Job:
     """Reconstruct surfaces from contours.
@@ -74,6 +76,7 @@ def submit_contours(
         job_id=access.store.new_id(),
         kind=JobKind.CONTOURS,
         created_at=datetime.now(tz=UTC),
+        priority=terms.priority,
         contours=contours,
         references=references,
     )

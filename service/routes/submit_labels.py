@@ -21,6 +21,7 @@ from service.documented import problems
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
 
@@ -56,6 +57,7 @@ def submit_labels(
     upload: Annotated[FormUpload, Depends(_upload)],
     access: Access,
     owner: Owner,
+    terms: Terms,
     response: Response,
 ) -> Job:
     """Reconstruct surfaces from NIfTI label maps (.nii or .nii.gz), one file a view.
@@ -76,6 +78,7 @@ def submit_labels(
         job_id=access.store.new_id(),
         kind=JobKind.LABELS,
         created_at=datetime.now(tz=UTC),
+        priority=terms.priority,
         labels=labels,
         files=names,
         references=references,
