@@ -22,6 +22,7 @@ from jobs.errors import StaleToken
 from jobs.index import ANY_OWNER, index_key, move_in_index
 from jobs.record import Record
 from jobs.redis_clock import now_us
+from jobs.runtimes import note_runtime
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
@@ -191,11 +192,13 @@ class JobRecords:
             while True:
                 cast(Any, pipe).watch(key)  # redis-py gives it no types
                 before = _read(pipe, job_id)
-                after = step(before, now_us(pipe))
+                instant_us = now_us(pipe)
+                after = step(before, instant_us)
                 if after == before:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                note_runtime(pipe, before, after, instant_us)
                 if after is None:
                     pipe.delete(key)
                 else:

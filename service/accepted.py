@@ -1,11 +1,6 @@
-"""The 202 answer to a submission."""
+"""What the API description says about the 202 answer to a submission."""
 
 from typing import Any
-
-from fastapi import Response
-
-from schemas.job import Job
-from service.settings import ServiceSettings
 
 ACCEPTED: dict[int | str, dict[str, Any]] = {
     202: {
@@ -13,15 +8,10 @@ ACCEPTED: dict[int | str, dict[str, Any]] = {
         "headers": {
             "Location": {"description": "The job.", "schema": {"type": "string"}},
             "Retry-After": {
-                "description": "Seconds to wait before the first poll.",
-                "schema": {"type": "integer", "minimum": 1},
+                "description": "Seconds to wait before the first poll: until the job is expected "
+                "to start, at most an hour.",
+                "schema": {"type": "integer", "minimum": 1, "maximum": 3600},
             },
         },
     }
 }
-
-
-def announce(job: Job, response: Response, settings: ServiceSettings) -> None:
-    """Say where an accepted job is, and when to look."""
-    response.headers["Location"] = job.links.self
-    response.headers["Retry-After"] = str(settings.poll_after_s)

@@ -12,6 +12,7 @@ from jobs.queue import JobQueue
 from jobs.records import ANONYMOUS, JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
+from jobs.waiting_line import WaitingLine
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
 from service.settings import ServiceSettings
@@ -26,16 +27,19 @@ class JobAccess:
     records: JobRecords
     queue: JobQueue
     workers: LiveWorkers
+    line: WaitingLine
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
         redis = make_redis(settings.redis_url, settings.redis_timeout_s)
+        workers = LiveWorkers(redis)
         return cls(
             settings=settings,
             store=JobStore(settings.jobs_dir),
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
-            workers=LiveWorkers(redis),
+            workers=workers,
+            line=WaitingLine(redis, workers, settings.worker_alive_s),
         )
 
     def live_workers(self) -> list[str]:
@@ -65,7 +69,7 @@ class JobAccess:
             job = self.records.get(job_id)
         if job is None:
             raise no_such_job()
-        return job
+        return self.line.placed([job])[0]
 
 
 def no_such_job() -> InputError:

@@ -6,10 +6,11 @@ from fastapi import Depends, Query
 
 from schemas.job import Priority
 
-_PRIORITY = """\
-Which jobs go first: a free worker takes an `interactive` job before any `batch` job, and within one
-priority the older. While interactive jobs keep coming, a batch job has its turn from time to time.
-"""
+_PRIORITY = (
+    "Which jobs go first: a free worker takes an `interactive` job before any `batch` job, and of "
+    "one priority the oldest. While interactive jobs keep coming, a batch job has its turn from "
+    "time to time."
+)
 
 
 class SubmissionTerms:

@@ -8,10 +8,10 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from intake.contour_request import read_contour_request
 from intake.references import check_reference_surfaces, judge_references
-from jobs.submission import submit
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
-from service.accepted import ACCEPTED, announce
+from service.acceptance import accept
+from service.accepted import ACCEPTED
 from service.access import Access, Owner
 from service.documented import problems
 from service.examples import CONTOUR_REQUEST
@@ -81,6 +81,4 @@ def submit_contours(
         references=references,
     )
     inputs = {references[surface]: file for surface, file in upload.references.items()}
-    job = submit(access.store, access.records, access.queue, request, inputs, owner)
-    announce(job, response, access.settings)
-    return job
+    return accept(access, request, inputs, owner, response)

@@ -10,12 +10,12 @@ from intake.inflate import is_gzip
 from intake.json_body import parse_json
 from intake.label_maps import check_label_maps
 from intake.references import judge_references
-from jobs.submission import submit
 from schemas.job import Job, JobKind
 from schemas.labels import LabelRequest
 from schemas.messages import JobRequest
 from schemas.vocabulary import View
-from service.accepted import ACCEPTED, announce
+from service.acceptance import accept
+from service.accepted import ACCEPTED
 from service.access import Access, Owner
 from service.documented import problems
 from service.form_description import form_content
@@ -87,6 +87,4 @@ def submit_labels(
         **{names[view]: file for view, file in maps.items()},
         **{references[surface]: file for surface, file in upload.references.items()},
     }
-    job = submit(access.store, access.records, access.queue, request, inputs, owner)
-    announce(job, response, access.settings)
-    return job
+    return accept(access, request, inputs, owner, response)
