@@ -15,6 +15,11 @@ def index_key(owner: str, state: JobState | None = None) -> str:
     return f"neuralmri:jobs:{owner}:{state.value if state else 'any'}"
 
 
+def record_key(job_id: str) -> str:
+    """The hash of a job's record."""
+    return f"neuralmri:job:{job_id}"
+
+
 def line_key(priority: Priority) -> str:
     """The sorted set of the queued jobs of one priority."""
     return f"neuralmri:line:{priority.value}"

@@ -42,6 +42,7 @@ def reconcile(
     queue takes no message; the next round goes on from there.
     """
     store.sweep()
+    begun = records.wholeness.begin_round()
     waiting = queue.waiting()
     # Listed before the folders: a folder is made before its record.
     known = records.ids()
@@ -65,6 +66,7 @@ def reconcile(
     forgotten = [job_id for job_id in {*known, *folders} if not store.folder(job_id).exists()]
     for job_id in forgotten:
         records.forget(job_id)
+    records.wholeness.end_round(begun)
     return Reconciled(
         **{what: tuple(ids) for what, ids in done.items()}, forgotten=tuple(sorted(forgotten))
     )

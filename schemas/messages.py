@@ -27,6 +27,13 @@ class ContourRequest(WireModel):
     options: Options = Field(default_factory=Options)
 
 
+class Idempotency(WireModel):
+    """By what a submission that is sent again is recognised."""
+
+    key: str
+    payload_sha256: str
+
+
 class JobRequest(WireModel):
     """`request.json` in the job's folder: all that is needed to do, or redo, the job.
 
@@ -39,6 +46,7 @@ class JobRequest(WireModel):
     kind: JobKind
     created_at: datetime
     priority: Priority = Priority.INTERACTIVE
+    idempotency: Idempotency | None = None
     contours: ContourRequest | None = None
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)

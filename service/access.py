@@ -5,6 +5,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from jobs.admission import Admission
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.live_workers import LiveWorkers
@@ -28,6 +29,7 @@ class JobAccess:
     queue: JobQueue
     workers: LiveWorkers
     line: WaitingLine
+    admission: Admission
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
@@ -40,6 +42,7 @@ class JobAccess:
             queue=JobQueue(settings, redis),
             workers=workers,
             line=WaitingLine(redis, workers, settings.worker_alive_s),
+            admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
         )
 
     def live_workers(self) -> list[str]:

@@ -11,13 +11,13 @@ from intake.references import check_reference_surfaces, judge_references
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
 from service.acceptance import accept
-from service.accepted import ACCEPTED
 from service.access import Access, Owner
 from service.documented import problems
 from service.examples import CONTOUR_REQUEST
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_answers import SUBMISSION
 from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
@@ -52,7 +52,7 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/contours",
     status_code=202,
-    responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
+    responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_contours(
@@ -77,6 +77,7 @@ def submit_contours(
         kind=JobKind.CONTOURS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        idempotency=terms.idempotency(JobKind.CONTOURS, upload),
         contours=contours,
         references=references,
     )

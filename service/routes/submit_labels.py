@@ -15,12 +15,12 @@ from schemas.labels import LabelRequest
 from schemas.messages import JobRequest
 from schemas.vocabulary import View
 from service.acceptance import accept
-from service.accepted import ACCEPTED
 from service.access import Access, Owner
 from service.documented import problems
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_answers import SUBMISSION
 from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
@@ -50,7 +50,7 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/labels",
     status_code=202,
-    responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
+    responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_labels(
@@ -79,6 +79,7 @@ def submit_labels(
         kind=JobKind.LABELS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        idempotency=terms.idempotency(JobKind.LABELS, upload),
         labels=labels,
         files=names,
         references=references,
