@@ -61,5 +61,5 @@ USER 10001:10001
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=30s --timeout=10s --start-period=30s --retries=3 \
   CMD ["python", "/opt/neuralmri/worker_health.py"]
-CMD ["celery", "--app", "worker.app", "worker", "--queues", "neuralmri", "--concurrency", "1", \
+CMD ["celery", "--app", "worker.app", "worker", "--concurrency", "1", \
      "--loglevel", "INFO", "--without-gossip", "--without-mingle"]

@@ -3,7 +3,7 @@
 from typing import Any
 
 from jobs.settings import JobSettings
-from schemas.messages import RECONSTRUCT_QUEUE
+from schemas.messages import QUEUES, RECONSTRUCT_QUEUE
 
 
 def celery_settings(settings: JobSettings) -> dict[str, Any]:
@@ -18,12 +18,17 @@ def celery_settings(settings: JobSettings) -> dict[str, Any]:
             # runs if need be; the shortest value of any process on the broker wins.
             "visibility_timeout": settings.visibility_timeout_s,
             "unacked_restore_throttle": 1,
+            # A free worker takes from the first queue by name that is not empty. The default takes
+            # turns, and `priority` means the order in which queues were subscribed to.
+            "queue_order_strategy": "sorted",
             "socket_timeout": max(settings.redis_timeout_s, 2.0),
             "socket_connect_timeout": settings.redis_timeout_s,
             "socket_keepalive": True,
             "health_check_interval": 10,
         },
         "task_default_queue": RECONSTRUCT_QUEUE,
+        # A worker that is told no queues takes from all of these.
+        "task_queues": {name: {"routing_key": name} for name in QUEUES.values()},
         "task_serializer": "json",
         "accept_content": ["json"],
         # State is in the job's record and folder; Celery's own would be a second, weaker truth.

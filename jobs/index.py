@@ -5,7 +5,7 @@ is the order of creation, and a job id is a stable cursor.
 from redis.client import Pipeline
 
 from jobs.record import Record
-from schemas.job import JobState
+from schemas.job import JobState, Priority
 
 ANY_OWNER = "*"
 
@@ -13,6 +13,16 @@ ANY_OWNER = "*"
 def index_key(owner: str, state: JobState | None = None) -> str:
     """The sorted set of an owner's jobs (ANY_OWNER: everybody's) in one state, or in any."""
     return f"neuralmri:jobs:{owner}:{state.value if state else 'any'}"
+
+
+def record_key(job_id: str) -> str:
+    """The hash of a job's record."""
+    return f"neuralmri:job:{job_id}"
+
+
+def line_key(priority: Priority) -> str:
+    """The sorted set of the queued jobs of one priority."""
+    return f"neuralmri:line:{priority.value}"
 
 
 def move_in_index(pipe: Pipeline, before: Record | None, after: Record | None) -> None:
@@ -26,8 +36,9 @@ def move_in_index(pipe: Pipeline, before: Record | None, after: Record | None) -
 
 
 def _keys(record: Record) -> set[str]:
-    return {
+    keys = {
         index_key(owner, state)
         for owner in (ANY_OWNER, record.owner)
         for state in (None, record.state)
     }
+    return keys | {line_key(record.priority)} if record.state is JobState.QUEUED else keys

@@ -7,6 +7,7 @@ from redis import Redis
 from jobs.redis_clock import now_us
 
 _KEY = "neuralmri:workers"
+_SLOTS_KEY = "neuralmri:worker-slots"
 
 _FORGOTTEN_AFTER_S = 3600.0
 """Names of workers that are gone would pile up: each start of a container brings a new one."""
@@ -18,12 +19,29 @@ class LiveWorkers:
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
 
-    def heartbeat(self, worker_name: str) -> None:
-        """Say that a worker is alive and taking jobs."""
-        self._redis.zadd(_KEY, {worker_name: now_us(self._redis) / 1e6})
+    def heartbeat(self, worker_name: str, slots: int = 1) -> None:
+        """Say that a worker is alive and takes jobs, `slots` of them at a time."""
+        with self._redis.pipeline() as pipe:
+            pipe.zadd(_KEY, {worker_name: now_us(self._redis) / 1e6})
+            pipe.hset(_SLOTS_KEY, worker_name, str(slots))
+            pipe.execute()
 
     def names(self, within_s: float) -> list[str]:
         """The workers whose last heartbeat is no older than `within_s`."""
         oldest = now_us(self._redis) / 1e6 - within_s
-        self._redis.zremrangebyscore(_KEY, "-inf", oldest - _FORGOTTEN_AFTER_S)
+        self._forget_before(oldest - _FORGOTTEN_AFTER_S)
         return sorted(cast(list[str], self._redis.zrangebyscore(_KEY, oldest, "+inf")))
+
+    def slots(self, within_s: float) -> int:
+        """How many jobs those workers do at a time, all together."""
+        names = self.names(within_s)
+        known = self._redis.hmget(_SLOTS_KEY, names) if names else []
+        return sum(int(slots or 1) for slots in cast(list[str | None], known))
+
+    def _forget_before(self, instant_s: float) -> None:
+        gone = cast(list[str], self._redis.zrangebyscore(_KEY, "-inf", instant_s))
+        if gone:
+            with self._redis.pipeline() as pipe:
+                pipe.zrem(_KEY, *gone)
+                pipe.hdel(_SLOTS_KEY, *gone)
+                pipe.execute()

@@ -8,9 +8,10 @@ from kombu.exceptions import KombuError, OperationalError
 from redis import Redis
 from redis.exceptions import RedisError
 
+from jobs.batch_turn import give_batch_turn
 from jobs.celery_settings import celery_settings
 from jobs.settings import JobSettings
-from schemas.messages import RECONSTRUCT_QUEUE, RECONSTRUCT_TASK, ReconstructMessage
+from schemas.messages import QUEUES, RECONSTRUCT_TASK, ReconstructMessage
 from schemas.problem import InternalError, ProblemType
 
 
@@ -33,8 +34,9 @@ class JobQueue:
         }
 
     def enqueue(self, message: ReconstructMessage) -> None:
-        """Send a message. Raises InternalError (unavailable, 503) where Redis does not take it.
+        """Send a message to the queue of its priority.
 
+        Raises InternalError (unavailable, 503) where Redis does not take it.
         The message's id is the job's, so that `waiting` can tell whose messages are there.
         """
         try:
@@ -42,7 +44,7 @@ class JobQueue:
                 RECONSTRUCT_TASK,
                 kwargs=message.as_kwargs(),
                 task_id=message.job_id,
-                queue=RECONSTRUCT_QUEUE,
+                queue=QUEUES[message.priority],
                 retry=False,
                 ignore_result=True,
             )
@@ -55,9 +57,19 @@ class JobQueue:
 
     def waiting(self) -> set[str]:
         """Ids of the jobs that have a message no worker has fetched yet."""
-        messages = cast(list[str], self._redis.lrange(RECONSTRUCT_QUEUE, 0, -1))
-        return {json.loads(message)["headers"]["id"] for message in messages}
+        with self._redis.pipeline() as pipe:  # at one instant: a message may change queues
+            for name in QUEUES.values():
+                pipe.lrange(name, 0, -1)
+            queues = cast(list[list[str]], pipe.execute())
+        return {json.loads(message)["headers"]["id"] for queue in queues for message in queue}
+
+    def give_batch_turn(self, every_s: float) -> bool:
+        """Let the oldest batch job go next: see `batch_turn`."""
+        return give_batch_turn(self._redis, every_s)
 
     def depth(self) -> int:
         """How many messages no worker has fetched yet."""
-        return self._redis.llen(RECONSTRUCT_QUEUE)
+        with self._redis.pipeline() as pipe:
+            for name in QUEUES.values():
+                pipe.llen(name)
+            return sum(pipe.execute())

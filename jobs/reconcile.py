@@ -42,6 +42,7 @@ def reconcile(
     queue takes no message; the next round goes on from there.
     """
     store.sweep()
+    begun = records.wholeness.begin_round()
     waiting = queue.waiting()
     # Listed before the folders: a folder is made before its record.
     known = records.ids()
@@ -58,11 +59,14 @@ def reconcile(
         if job_id in waiting:
             continue
         if mended == "restored" or records.reclaimed(job_id, lost_after_s):
-            queue.enqueue(ReconstructMessage(job_id=job_id))
-            done["enqueued"].append(job_id)
+            job = records.get(job_id)
+            if job is not None:
+                queue.enqueue(ReconstructMessage.of_job(job))
+                done["enqueued"].append(job_id)
     forgotten = [job_id for job_id in {*known, *folders} if not store.folder(job_id).exists()]
     for job_id in forgotten:
         records.forget(job_id)
+    records.wholeness.end_round(begun)
     return Reconciled(
         **{what: tuple(ids) for what, ids in done.items()}, forgotten=tuple(sorted(forgotten))
     )

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
 from jobs.errors import IllegalTransition
-from schemas.job import Job, JobKind, JobState, Links, Progress, Stage
-from schemas.messages import JobRequest, Outcome
+from schemas.job import Job, JobKind, JobState, Links, Priority, Progress, Stage
+from schemas.messages import Idempotency, JobRequest, Outcome
 from schemas.problem import Problem
 
 
@@ -31,6 +31,8 @@ class Record:
     error: Problem | None = None
     token: int = 0
     free_from_us: int = 0
+    priority: Priority = Priority.INTERACTIVE
+    idempotency: Idempotency | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
@@ -41,6 +43,8 @@ class Record:
             state=JobState.QUEUED,
             created_at=request.created_at,
             free_from_us=now_us,
+            priority=request.priority,
+            idempotency=request.idempotency,
         )
 
     @classmethod
@@ -58,6 +62,9 @@ class Record:
             error=Problem.model_validate_json(fields["error"]) if fields["error"] else None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
+            # These two are not there in records of an older release.
+            priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
+            idempotency=_idempotency(fields.get("idempotency", "")),
         )
 
     def fields(self) -> dict[str, str]:
@@ -73,6 +80,8 @@ class Record:
             "error": self.error.model_dump_json() if self.error else "",
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
+            "priority": self.priority.value,
+            "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -106,6 +115,7 @@ class Record:
             id=self.job_id,
             kind=self.kind,
             state=self.state,
+            priority=self.priority,
             progress=self.progress,
             created_at=self.created_at,
             started_at=self.started_at,
@@ -128,3 +138,7 @@ def instant(now_us: int) -> datetime:
 
 def _instant(text: str) -> datetime | None:
     return datetime.fromisoformat(text) if text else None
+
+
+def _idempotency(text: str) -> Idempotency | None:
+    return Idempotency.model_validate_json(text) if text else None

@@ -17,11 +17,14 @@ from redis.client import Pipeline
 from redis.exceptions import WatchError
 
 from jobs import transitions
+from jobs.admission import give_up_place
 from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
-from jobs.index import ANY_OWNER, index_key, move_in_index
+from jobs.idempotency_keys import Wholeness, move_key
+from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
 from jobs.record import Record
 from jobs.redis_clock import now_us
+from jobs.runtimes import note_runtime
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
@@ -35,6 +38,7 @@ class JobRecords:
 
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
+        self.wholeness = Wholeness(redis)
 
     def accepted(self, request: JobRequest, owner: str = ANONYMOUS) -> None:
         """A new queued job. Nothing happens where it is known already."""
@@ -60,7 +64,7 @@ class JobRecords:
         ids = cast(list[str], self._redis.zrevrangebylex(key, newest, "-", start=0, num=limit + 1))
         with self._redis.pipeline(transaction=False) as pipe:
             for job_id in ids[:limit]:
-                pipe.hgetall(_key(job_id))
+                pipe.hgetall(record_key(job_id))
             found = zip(ids[:limit], pipe.execute(), strict=True)
         jobs = [Record.of_fields(job_id, fields).job() for job_id, fields in found if fields]
         return JobPage(
@@ -116,7 +120,7 @@ class JobRecords:
 
     def is_cancel_requested(self, job_id: str) -> bool:
         """Whether the job is being cancelled. False for an unknown one: `renew` says that."""
-        state = self._redis.hget(_key(job_id), "state")
+        state = self._redis.hget(record_key(job_id), "state")
         return state in (JobState.CANCELLING.value, JobState.CANCELLED.value)
 
     def request_cancel(self, job_id: str) -> JobState | None:
@@ -186,16 +190,20 @@ class JobRecords:
         `step` sees the record and the Redis clock. It is asked again where another client changed
         the record meanwhile.
         """
-        key = _key(job_id)
+        key = record_key(job_id)
         with self._redis.pipeline() as pipe:
             while True:
                 cast(Any, pipe).watch(key)  # redis-py gives it no types
                 before = _read(pipe, job_id)
-                after = step(before, now_us(pipe))
+                instant_us = now_us(pipe)
+                after = step(before, instant_us)
                 if after == before:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                give_up_place(pipe, before, after)
+                move_key(pipe, before, after)
+                note_runtime(pipe, before, after, instant_us)
                 if after is None:
                     pipe.delete(key)
                 else:
@@ -207,10 +215,6 @@ class JobRecords:
                 return after
 
 
-def _key(job_id: str) -> str:
-    return f"neuralmri:job:{job_id}"
-
-
 def _read(redis: Redis | Pipeline, job_id: str) -> Record | None:
-    fields = cast(dict[str, str], redis.hgetall(_key(job_id)))
+    fields = cast(dict[str, str], redis.hgetall(record_key(job_id)))
     return Record.of_fields(job_id, fields) if fields else None

@@ -33,7 +33,7 @@ def submit(
     folder.create(request, inputs)
     try:
         records.accepted(request, owner)
-        queue.enqueue(ReconstructMessage(job_id=request.job_id))
+        queue.enqueue(ReconstructMessage(job_id=request.job_id, priority=request.priority))
         job = records.get(request.job_id)
     except (RedisError, InternalError) as error:
         folder.erase()

@@ -16,6 +16,13 @@ class JobKind(StrEnum):
     LABELS = "labels"
 
 
+class Priority(StrEnum):
+    """Which jobs go before which; within one priority, the older first."""
+
+    INTERACTIVE = "interactive"
+    BATCH = "batch"
+
+
 class JobState(StrEnum):
     """Where a job stands. Terminal states never change."""
 
@@ -88,6 +95,16 @@ class Job(WireModel):
     id: str
     kind: JobKind
     state: JobState
+    priority: Priority = Priority.INTERACTIVE
+    queue_position: int | None = Field(
+        default=None, ge=0, description="While queued: how many jobs will be started before it."
+    )
+    estimated_start_s: float | None = Field(
+        default=None,
+        ge=0.0,
+        description="While queued: seconds until a worker starts it, by the mean runtime of the "
+        "last jobs. Null before there is one to go by, and while no worker is alive.",
+    )
     progress: Progress = Field(default_factory=Progress)
     created_at: datetime
     started_at: datetime | None = None

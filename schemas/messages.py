@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import Field
 
 from schemas.base import WireModel
-from schemas.job import JobKind, JobState
+from schemas.job import Job, JobKind, JobState, Priority
 from schemas.labels import LabelRequest
 from schemas.options import Options
 from schemas.problem import Problem
@@ -16,12 +16,22 @@ from schemas.vocabulary import View
 RECONSTRUCT_TASK = "neuralmri.reconstruct"
 RECONSTRUCT_QUEUE = "neuralmri"
 
+QUEUES = {Priority.INTERACTIVE: RECONSTRUCT_QUEUE, Priority.BATCH: f"{RECONSTRUCT_QUEUE}-batch"}
+"""Names of queues. A worker looks into them in the order of their names: interactive first."""
+
 
 class ContourRequest(WireModel):
     """The body of `POST /v1/jobs/contours`."""
 
     study: ContourStudy
     options: Options = Field(default_factory=Options)
+
+
+class Idempotency(WireModel):
+    """By what a submission that is sent again is recognised."""
+
+    key: str
+    payload_sha256: str
 
 
 class JobRequest(WireModel):
@@ -35,6 +45,8 @@ class JobRequest(WireModel):
     job_id: str
     kind: JobKind
     created_at: datetime
+    priority: Priority = Priority.INTERACTIVE
+    idempotency: Idempotency | None = None
     contours: ContourRequest | None = None
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
@@ -52,9 +64,14 @@ class Outcome(WireModel):
 
 
 class ReconstructMessage(WireModel):
-    """What the queue carries: a name, never the data."""
+    """What the queue carries: a name, never the data; `priority` says which queue."""
 
     job_id: str
+    priority: Priority = Priority.INTERACTIVE
+
+    @classmethod
+    def of_job(cls, job: Job) -> "ReconstructMessage":
+        return cls(job_id=job.id, priority=job.priority)
 
     def as_kwargs(self) -> dict[str, Any]:
         return self.model_dump(mode="json")

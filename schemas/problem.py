@@ -31,6 +31,9 @@ class ProblemType(StrEnum):
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"
     UNSATISFIABLE_RANGE = "unsatisfiable-range"
+    IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"
+    IDEMPOTENCY_KEY_PENDING = "idempotency-key-pending"
+    TOO_MANY_JOBS = "too-many-jobs"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"
@@ -55,6 +58,7 @@ class ProblemType(StrEnum):
     TIMED_OUT = "timed-out"
     WORKER_LOST = "worker-lost"
     UNAVAILABLE = "unavailable"
+    QUEUE_FULL = "queue-full"
     STORAGE_FULL = "storage-full"
     INTERNAL = "internal"
 
@@ -84,7 +88,10 @@ class Problem(WireModel):
 
 
 class ServiceError(Exception):
-    """An expected failure. `detail` is a sentence that names the remedy."""
+    """An expected failure. `detail` is a sentence that names the remedy.
+
+    retry_after_s: when to send the same request again, where that can be told.
+    """
 
     fault: Fault
     default_status: int
@@ -97,6 +104,7 @@ class ServiceError(Exception):
         pointer: str | None = None,
         status: int | None = None,
         errors: list[ProblemPart] | None = None,
+        retry_after_s: int | None = None,
     ) -> None:
         super().__init__(detail)
         self.type = type_
@@ -104,6 +112,7 @@ class ServiceError(Exception):
         self.pointer = pointer
         self.status = status or self.default_status
         self.errors = errors or []
+        self.retry_after_s = retry_after_s
 
     def problem(self, instance: str | None = None) -> Problem:
         return Problem(

@@ -5,6 +5,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from jobs.admission import Admission
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.live_workers import LiveWorkers
@@ -12,6 +13,7 @@ from jobs.queue import JobQueue
 from jobs.records import ANONYMOUS, JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
+from jobs.waiting_line import WaitingLine
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
 from service.settings import ServiceSettings
@@ -26,16 +28,21 @@ class JobAccess:
     records: JobRecords
     queue: JobQueue
     workers: LiveWorkers
+    line: WaitingLine
+    admission: Admission
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
         redis = make_redis(settings.redis_url, settings.redis_timeout_s)
+        workers = LiveWorkers(redis)
         return cls(
             settings=settings,
             store=JobStore(settings.jobs_dir),
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
-            workers=LiveWorkers(redis),
+            workers=workers,
+            line=WaitingLine(redis, workers, settings.worker_alive_s),
+            admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
         )
 
     def live_workers(self) -> list[str]:
@@ -65,7 +72,7 @@ class JobAccess:
             job = self.records.get(job_id)
         if job is None:
             raise no_such_job()
-        return job
+        return self.line.placed([job])[0]
 
 
 def no_such_job() -> InputError:

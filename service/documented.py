@@ -77,15 +77,16 @@ _RETRY_AFTER = {
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """The `responses` of an operation that can fail in these ways; every other is `default`."""
     described: dict[int | str, dict[str, Any]] = {
-        status: _response(*_EXAMPLES[status], retry=status in (409, 503, 507))
+        status: described_problem(*_EXAMPLES[status], retry=status in (409, 503, 507))
         for status in statuses
     }
     internal = InternalError(ProblemType.INTERNAL, "the service failed. Remedy: try again later.")
-    described["default"] = _response("Any other problem.", internal, retry=False)
+    described["default"] = described_problem("Any other problem.", internal, retry=False)
     return described
 
 
-def _response(description: str, example: ServiceError, *, retry: bool) -> dict[str, Any]:
+def described_problem(description: str, example: ServiceError, *, retry: bool) -> dict[str, Any]:
+    """One response: a problem, with `Retry-After` where `retry`."""
     described: dict[str, Any] = {
         "description": description,
         "content": {

@@ -55,8 +55,7 @@ class NotReadyError(InputError):
     """The job has no results now; `retry_after_s` is None where it never will."""
 
     def __init__(self, detail: str, retry_after_s: int | None) -> None:
-        super().__init__(ProblemType.NOT_READY, detail, status=409)
-        self.retry_after_s = retry_after_s
+        super().__init__(ProblemType.NOT_READY, detail, status=409, retry_after_s=retry_after_s)
 
 
 def problem_response(problem: Problem, headers: Mapping[str, str] | None = None) -> Response:
@@ -88,7 +87,7 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
         headers = again if error.status in (503, 507) else {}
         if error.status in (408, 413):  # the rest of the body is not read
             headers = {"Connection": "close"}
-        if isinstance(error, NotReadyError) and error.retry_after_s is not None:
+        if error.retry_after_s is not None:
             headers = {"Retry-After": str(error.retry_after_s)}
         if error.type is ProblemType.INTERNAL:
             log.error("%s %s: %s", request.method, request.url.path, error, exc_info=error)

@@ -47,6 +47,7 @@ class Reconciler:
             mended = reconcile(
                 access.store, access.records, access.queue, access.settings.lost_after_s
             )
+            access.queue.give_batch_turn(access.settings.batch_turn_s)
         except (RedisError, InternalError) as error:
             log.warning("not reconciled, Redis cannot be reached: %s", error)
             return False

@@ -15,6 +15,19 @@ class ServiceSettings(LimitSettings, JobSettings):
     poll_after_s: int = Field(
         default=2, ge=1, le=3600, description="What `Retry-After` tells a caller who polls a job."
     )
+    max_queued_jobs: int = Field(
+        default=1000, ge=1, description="Jobs that may wait for a worker, all owners together."
+    )
+    max_jobs_per_owner: int | None = Field(
+        default=None,
+        ge=1,
+        description="Unfinished jobs of one owner; unset, no bound.",
+    )
+    batch_turn_s: float = Field(
+        default=600.0,
+        ge=1.0,
+        description="How often a batch job goes first while interactive jobs keep coming.",
+    )
     retry_after_s: int = Field(
         default=10, ge=1, le=3600, description="What `Retry-After` tells a caller we had to fail."
     )

@@ -116,7 +116,9 @@ def _hand_back(desk: Desk, lease: Lease) -> None:
     """Return the job to the queue. Where that fails, the reconciler does it once the lease ends."""
     try:
         desk.records.released(lease.job_id, lease.token)
-        desk.queue.enqueue(ReconstructMessage(job_id=lease.job_id))
+        job = desk.records.get(lease.job_id)
+        if job is not None:
+            desk.queue.enqueue(ReconstructMessage.of_job(job))
     except (RedisError, InternalError, StaleToken) as error:
         _LOGGER.warning("job %s was not handed back: %s", lease.job_id, error)
     else:

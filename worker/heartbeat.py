@@ -28,9 +28,10 @@ def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
             self._timer_entry: Any = None
 
         def start(self, consumer: Any) -> None:
-            _beat(workers, consumer.hostname)
+            said = (workers, consumer.hostname, consumer.controller.concurrency)
+            _beat(*said)
             self._timer_entry = consumer.timer.call_repeatedly(
-                settings.heartbeat_every_s, _beat, (workers, consumer.hostname)
+                settings.heartbeat_every_s, _beat, said
             )
 
         def stop(self, consumer: Any) -> None:
@@ -41,8 +42,8 @@ def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
     return Heartbeat
 
 
-def _beat(workers: LiveWorkers, worker_name: str) -> None:
+def _beat(workers: LiveWorkers, worker_name: str, slots: int) -> None:
     try:
-        workers.heartbeat(worker_name)
+        workers.heartbeat(worker_name, slots)
     except RedisError as error:
         _LOGGER.warning("the heartbeat was not recorded: %s", error)

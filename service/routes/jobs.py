@@ -32,7 +32,8 @@ def list_jobs(
     ] = None,
 ) -> JobPage:
     """Your jobs, newest first."""
-    return access.records.page(owner, state, limit, cursor)
+    page = access.records.page(owner, state, limit, cursor)
+    return page.model_copy(update={"jobs": access.line.placed(page.jobs)})
 
 
 @router.get(

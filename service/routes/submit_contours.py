@@ -8,16 +8,17 @@ from fastapi import APIRouter, Depends, Request, Response
 
 from intake.contour_request import read_contour_request
 from intake.references import check_reference_surfaces, judge_references
-from jobs.submission import submit
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
-from service.accepted import ACCEPTED, announce
+from service.acceptance import accept
 from service.access import Access, Owner
 from service.documented import problems
 from service.examples import CONTOUR_REQUEST
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_answers import SUBMISSION
+from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
 
@@ -51,13 +52,14 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/contours",
     status_code=202,
-    responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
+    responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_contours(
     upload: Annotated[FormUpload, Depends(_upload)],
     access: Access,
     owner: Owner,
+    terms: Terms,
     response: Response,
 ) -> Job:
     """Reconstruct surfaces from contours.
@@ -74,10 +76,10 @@ def submit_contours(
         job_id=access.store.new_id(),
         kind=JobKind.CONTOURS,
         created_at=datetime.now(tz=UTC),
+        priority=terms.priority,
+        idempotency=terms.idempotency(JobKind.CONTOURS, upload),
         contours=contours,
         references=references,
     )
     inputs = {references[surface]: file for surface, file in upload.references.items()}
-    job = submit(access.store, access.records, access.queue, request, inputs, owner)
-    announce(job, response, access.settings)
-    return job
+    return accept(access, request, inputs, owner, response)

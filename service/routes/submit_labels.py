@@ -10,17 +10,18 @@ from intake.inflate import is_gzip
 from intake.json_body import parse_json
 from intake.label_maps import check_label_maps
 from intake.references import judge_references
-from jobs.submission import submit
 from schemas.job import Job, JobKind
 from schemas.labels import LabelRequest
 from schemas.messages import JobRequest
 from schemas.vocabulary import View
-from service.accepted import ACCEPTED, announce
+from service.acceptance import accept
 from service.access import Access, Owner
 from service.documented import problems
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
 from service.media_type import require_media_type
+from service.submission_answers import SUBMISSION
+from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
 
@@ -49,13 +50,14 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/labels",
     status_code=202,
-    responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
+    responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_labels(
     upload: Annotated[FormUpload, Depends(_upload)],
     access: Access,
     owner: Owner,
+    terms: Terms,
     response: Response,
 ) -> Job:
     """Reconstruct surfaces from NIfTI label maps (.nii or .nii.gz), one file a view.
@@ -76,6 +78,8 @@ def submit_labels(
         job_id=access.store.new_id(),
         kind=JobKind.LABELS,
         created_at=datetime.now(tz=UTC),
+        priority=terms.priority,
+        idempotency=terms.idempotency(JobKind.LABELS, upload),
         labels=labels,
         files=names,
         references=references,
@@ -84,6 +88,4 @@ def submit_labels(
         **{names[view]: file for view, file in maps.items()},
         **{references[surface]: file for surface, file in upload.references.items()},
     }
-    job = submit(access.store, access.records, access.queue, request, inputs, owner)
-    announce(job, response, access.settings)
-    return job
+    return accept(access, request, inputs, owner, response)

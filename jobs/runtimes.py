@@ -1,0 +1,35 @@
+"""How long jobs took lately, as measured: what estimates of waiting are made from."""
+
+from typing import cast
+
+from redis import Redis
+from redis.client import Pipeline
+
+from jobs.record import Record
+from schemas.job import JobState
+
+_KEY = "neuralmri:runtimes-s"
+_KEPT = 50
+
+
+def note_runtime(pipe: Pipeline, before: Record | None, after: Record | None, now_us: int) -> None:
+    """Queue the commands that note a runtime, where this step is a worker's success.
+
+    A worker's token is the instant of its claim by the Redis clock, and its own end keeps it. Later
+    attempts are left out: what an earlier one had published is only confirmed.
+    """
+    if (
+        before
+        and after
+        and (before.state, after.state) == (JobState.RUNNING, JobState.SUCCEEDED)
+        and before.attempt == 1
+        and before.token == after.token
+    ):
+        pipe.lpush(_KEY, f"{(now_us - before.token) / 1e6:.3f}")
+        pipe.ltrim(_KEY, 0, _KEPT - 1)
+
+
+def mean_runtime_s(redis: Redis) -> float | None:
+    """Mean of the last runtimes, None before the first. Raises RedisError."""
+    runtimes_s = [float(text) for text in cast(list[str], redis.lrange(_KEY, 0, -1))]
+    return sum(runtimes_s) / len(runtimes_s) if runtimes_s else None

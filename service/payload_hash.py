@@ -1,0 +1,38 @@
+"""What a submission asks for, as one hash: two that agree in it are one request sent twice."""
+
+import hashlib
+import json
+from typing import Any, BinaryIO
+
+from schemas.job import JobKind, Priority
+from service.form_upload import FormUpload
+
+
+def payload_sha256(kind: JobKind, priority: Priority, upload: FormUpload) -> str:
+    """SHA-256 over address, priority, the JSON's content and the bytes of every file by its part.
+
+    The JSON has been found good. Its white space and the order of its keys do not count, nor do
+    the form's order, boundary and file names; a default that is spelled out does.
+    """
+    files = upload.files | {f"reference {name}": f for name, f in upload.references.items()}
+    return _digest_of(
+        {
+            "kind": kind.value,
+            "priority": priority.value,
+            "request": _digest_of(json.loads(upload.request)),
+            "files": {name: _file_sha256(file) for name, file in files.items()},
+        }
+    )
+
+
+def _digest_of(content: Any) -> str:
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _file_sha256(file: BinaryIO) -> str:
+    digest = hashlib.sha256()
+    file.seek(0)
+    while chunk := file.read(1 << 20):
+        digest.update(chunk)
+    return digest.hexdigest()
