@@ -33,10 +33,10 @@ class Record:
     free_from_us: int = 0
 
     @classmethod
-    def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
+    def of_request(cls, request: JobRequest, now_us: int) -> "Record":
         return cls(
             job_id=request.job_id,
-            owner=owner,
+            owner=request.owner,
             kind=request.kind,
             state=JobState.QUEUED,
             created_at=request.created_at,

@@ -25,8 +25,6 @@ from jobs.redis_clock import now_us
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
-ANONYMOUS = "anonymous"
-
 _Step = Callable[[Record | None, int], Record | None]
 
 
@@ -36,11 +34,11 @@ class JobRecords:
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
 
-    def accepted(self, request: JobRequest, owner: str = ANONYMOUS) -> None:
+    def accepted(self, request: JobRequest) -> None:
         """A new queued job. Nothing happens where it is known already."""
         self._step(
             request.job_id,
-            lambda record, now_us: record or Record.of_request(request, owner, now_us),
+            lambda record, now_us: record or Record.of_request(request, now_us),
         )
 
     def get(self, job_id: str) -> Job | None:
@@ -158,7 +156,7 @@ class JobRecords:
         self._step(job_id, step)
         return lost
 
-    def restore(self, request: JobRequest, outcome: Outcome | None, owner: str = ANONYMOUS) -> bool:
+    def restore(self, request: JobRequest, outcome: Outcome | None) -> bool:
         """Make the record agree with the folder. True where there was none: enqueue it then.
 
         An outcome overrules whatever the record says.
@@ -168,7 +166,7 @@ class JobRecords:
         def step(record: Record | None, now_us: int) -> Record:
             nonlocal was_unknown
             was_unknown = record is None
-            record = record or Record.of_request(request, owner, now_us)
+            record = record or Record.of_request(request, now_us)
             if outcome is None or record.state is outcome.state:
                 return record
             return replace(record.ended(outcome), token=record.token + 1)

@@ -9,10 +9,11 @@ from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.live_workers import LiveWorkers
 from jobs.queue import JobQueue
-from jobs.records import ANONYMOUS, JobRecords
+from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
 from schemas.job import Job
+from schemas.messages import ANONYMOUS
 from schemas.problem import InputError, ProblemType
 from service.settings import ServiceSettings
 
