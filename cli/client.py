@@ -29,12 +29,19 @@ _PATIENCE_S = 300.0
 class Client:
     """One server. Every method raises InputError or InternalError, as the server's problem says."""
 
-    def __init__(self, server: str, patience_s: float = _PATIENCE_S) -> None:
+    def __init__(
+        self, server: str, api_key: str | None = None, patience_s: float = _PATIENCE_S
+    ) -> None:
         self.server = server.rstrip("/")
         self._patience_s = patience_s
         # Environment proxies are for the outside; a local server is not reached through them.
         local = _parsed(self.server).host in ("127.0.0.1", "localhost", "::1")
-        self._http = httpx.Client(base_url=self.server, timeout=_TIMEOUT, trust_env=not local)
+        self._http = httpx.Client(
+            base_url=self.server,
+            headers={"Authorization": f"Bearer {_plain(api_key)}"} if api_key else {},
+            timeout=_TIMEOUT,
+            trust_env=not local,
+        )
 
     def __enter__(self) -> Self:
         return self
@@ -156,6 +163,17 @@ def _files_of(given: ContourInput | LabelInput) -> dict[str, Path]:
     maps = given.files if isinstance(given, LabelInput) else {}
     references = {reference_part(surface): path for surface, path in given.references.items()}
     return {view.value: path for view, path in maps.items()} | references
+
+
+def _plain(api_key: str) -> str:
+    """The key as a header takes it. The complaint does not repeat it."""
+    if not api_key.strip().isascii() or not api_key.strip().isprintable():
+        raise InputError(
+            ProblemType.INVALID_REQUEST,
+            "the API key holds characters that no key has; give it whole and alone, as "
+            "`neuralmri keys create` showed it",
+        )
+    return api_key.strip()
 
 
 def _parsed(server: str) -> httpx.URL:

@@ -13,6 +13,7 @@ from cli.ablate import ablate
 from cli.console import complain
 from cli.demo import demo
 from cli.evaluate import evaluate
+from cli.keys import keys
 from cli.phantom import phantom
 from cli.reconstruct import reconstruct
 from cli.serve import serve
@@ -40,6 +41,7 @@ app.command()(ablate)
 app.command("slice")(slice_)
 app.command()(phantom)
 app.command()(demo)
+app.add_typer(keys)
 
 
 def main() -> None:

@@ -30,7 +30,7 @@ def refuse_taken_port(host: str, port: int) -> None:
 
 
 def refuse_remote_host(host: str) -> None:
-    """Raise InputError for an address that other machines may reach: the service knows no callers.
+    """Raise InputError for an address that other machines may reach: no caller would be known.
 
     A name is no loopback but for `localhost`.
     """
@@ -41,7 +41,8 @@ def refuse_remote_host(host: str) -> None:
     if not is_loopback:
         raise InputError(
             ProblemType.INVALID_REQUEST,
-            f"other machines may reach {host}, and the service has no authentication: whoever "
-            "reaches it reads and erases every job. Listen on 127.0.0.1 behind a proxy that "
-            "authenticates, or add --allow-remote on a network where all may",
+            f"other machines may reach {host}, and the service asks for no keys: whoever reaches "
+            "it reads and erases every job. Make a key with `neuralmri keys create`, listen on "
+            "127.0.0.1 behind a proxy that authenticates, or add --allow-remote on a network where "
+            "all may",
         )

@@ -31,7 +31,7 @@ def serve(
         bool,
         typer.Option(
             "--allow-remote",
-            help="Let --host be one that other machines reach: there is no authentication, all "
+            help="Let --host be one that other machines reach although there is no API key: all "
             "who reach it read and erase every job.",
         ),
     ] = False,

@@ -13,6 +13,7 @@ from types import FrameType
 
 import httpx
 
+from cli.asking_for_keys import asks_for_keys
 from cli.children import Children, python_module
 from cli.ports import refuse_remote_host, refuse_taken_port
 from cli.private_redis import start_redis
@@ -72,10 +73,10 @@ def running(plan: ServerPlan) -> Iterator[Server]:
     """Start everything, wait until it can finish work, and stop it in order at the end.
 
     SIGTERM ends the block by SystemExit. Raises InputError for a port or data folder that is taken
-    and for a host that others reach (unless the plan allows it),
+    and for a host that others reach (unless the service asks for keys or the plan allows it),
     InternalError where a process does not come up.
     """
-    if not plan.allow_remote:
+    if not (plan.allow_remote or asks_for_keys(plan.data_dir)):
         refuse_remote_host(plan.host)
     refuse_taken_port(plan.host, plan.port)
     signal.signal(signal.SIGTERM, _exit)
@@ -127,6 +128,8 @@ def _environment(plan: ServerPlan, redis_url: str) -> dict[str, str]:
         "NEURALMRI_REDIS_URL": redis_url,
         "NEURALMRI_DATA_DIR": str(plan.data_dir.resolve()),
         "NEURALMRI_THREADS": threads,
+        # A service that started with keys asks for them to its end, whatever becomes of their file.
+        **({"NEURALMRI_REQUIRE_KEYS": "true"} if asks_for_keys(plan.data_dir) else {}),
         "PYTHONUNBUFFERED": "1",
     }
 

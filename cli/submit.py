@@ -23,6 +23,7 @@ from cli.input_arguments import (
     SubjectId,
 )
 from cli.inputs import ContourInput, read_input
+from cli.server_arguments import ApiKeyText
 from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 
@@ -32,6 +33,7 @@ def submit(
     server: Annotated[
         str, typer.Option(envvar="NEURALMRI_URL", help="Where the service is.")
     ] = "http://127.0.0.1:8000",
+    api_key: ApiKeyText = None,
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="With --wait: folder for the artifacts.", file_okay=False)
@@ -60,7 +62,7 @@ def submit(
         label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
     )
     given = read_input(study, maps, options, reference or ())
-    with Client(server) as client:
+    with Client(server, api_key) as client:
         if not as_json and isinstance(given, ContourInput):
             tell_effort(given.request.study, given.request.options)
         job = client.submit(given)

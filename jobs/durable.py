@@ -1,12 +1,16 @@
 """Bytes that survive a power cut: write, fsync, and fsync the folder that names them."""
 
 import os
+from functools import partial
 from pathlib import Path
 
 
-def write_durably(path: Path, content: bytes) -> None:
-    """Write a new file and fsync it. The folder's own entry is `sync_folder`'s matter."""
-    with path.open("xb") as file:
+def write_durably(path: Path, content: bytes, mode: int = 0o666) -> None:
+    """Write a new file and fsync it. The folder's own entry is `sync_folder`'s matter.
+
+    mode: permissions from the first instant, less the umask.
+    """
+    with open(path, "xb", opener=partial(os.open, mode=mode)) as file:
         file.write(content)
         file.flush()
         os.fsync(file.fileno())

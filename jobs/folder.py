@@ -22,7 +22,7 @@ from typing import BinaryIO
 from jobs.durable import sync_folder, sync_tree, write_durably
 from jobs.errors import AlreadyPublished, JobGone
 from schemas.artifacts import MANIFEST_NAME, Manifest
-from schemas.messages import JobRequest, Outcome
+from schemas.messages import JobOwner, JobRequest, Outcome
 
 NEW_PREFIX = ".new-"
 ERASED_PREFIX = ".erased-"
@@ -69,6 +69,10 @@ class JobFolder:
     def request(self) -> JobRequest:
         """What was asked. Raises JobGone."""
         return JobRequest.model_validate_json(self._read("request.json"))
+
+    def owner(self) -> str:
+        """Whose job it is. Raises JobGone."""
+        return JobOwner.model_validate_json(self._read("request.json")).owner
 
     def input_path(self, name: str) -> Path:
         """Where an input lies. Raises JobGone, also for a name that was never an input."""

@@ -35,10 +35,10 @@ class Record:
     idempotency: Idempotency | None = None
 
     @classmethod
-    def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
+    def of_request(cls, request: JobRequest, now_us: int) -> "Record":
         return cls(
             job_id=request.job_id,
-            owner=owner,
+            owner=request.owner,
             kind=request.kind,
             state=JobState.QUEUED,
             created_at=request.created_at,

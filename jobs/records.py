@@ -28,8 +28,6 @@ from jobs.runtimes import note_runtime
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
-ANONYMOUS = "anonymous"
-
 _Step = Callable[[Record | None, int], Record | None]
 
 
@@ -40,11 +38,11 @@ class JobRecords:
         self._redis = redis
         self.wholeness = Wholeness(redis)
 
-    def accepted(self, request: JobRequest, owner: str = ANONYMOUS) -> None:
+    def accepted(self, request: JobRequest) -> None:
         """A new queued job. Nothing happens where it is known already."""
         self._step(
             request.job_id,
-            lambda record, now_us: record or Record.of_request(request, owner, now_us),
+            lambda record, now_us: record or Record.of_request(request, now_us),
         )
 
     def get(self, job_id: str) -> Job | None:
@@ -162,7 +160,7 @@ class JobRecords:
         self._step(job_id, step)
         return lost
 
-    def restore(self, request: JobRequest, outcome: Outcome | None, owner: str = ANONYMOUS) -> bool:
+    def restore(self, request: JobRequest, outcome: Outcome | None) -> bool:
         """Make the record agree with the folder. True where there was none: enqueue it then.
 
         An outcome overrules whatever the record says.
@@ -172,7 +170,7 @@ class JobRecords:
         def step(record: Record | None, now_us: int) -> Record:
             nonlocal was_unknown
             was_unknown = record is None
-            record = record or Record.of_request(request, owner, now_us)
+            record = record or Record.of_request(request, now_us)
             if outcome is None or record.state is outcome.state:
                 return record
             return replace(record.ended(outcome), token=record.token + 1)

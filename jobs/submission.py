@@ -6,10 +6,10 @@ from redis.exceptions import RedisError
 
 from jobs.folder import Source
 from jobs.queue import JobQueue
-from jobs.records import ANONYMOUS, JobRecords
+from jobs.records import JobRecords
 from jobs.store import JobStore
 from schemas.job import Job
-from schemas.messages import JobRequest, ReconstructMessage
+from schemas.messages import ANONYMOUS, JobRequest, ReconstructMessage
 from schemas.problem import InternalError, ProblemType
 
 
@@ -21,7 +21,9 @@ def submit(
     inputs: Mapping[str, Source],
     owner: str = ANONYMOUS,
 ) -> Job:
-    """Accept a job. Once this returns, the job survives the loss of Redis and of this process.
+    """Accept a job of `owner`.
+
+    Once this returns, the job survives the loss of Redis and of this process.
 
     Raises InternalError (unavailable) where Redis fails on the way. The folder is erased again, so
     that the caller may send the request anew without it being done twice. What Redis may have taken
@@ -29,10 +31,11 @@ def submit(
     it, and the reconciler forgets records without a folder. A crash of this process between the
     steps leaves a whole folder; the reconciler then runs a job whose caller never learned its id.
     """
+    request = request.model_copy(update={"owner": owner})
     folder = store.folder(request.job_id)
     folder.create(request, inputs)
     try:
-        records.accepted(request, owner)
+        records.accepted(request)
         queue.enqueue(ReconstructMessage(job_id=request.job_id, priority=request.priority))
         job = records.get(request.job_id)
     except (RedisError, InternalError) as error:

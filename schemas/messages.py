@@ -3,15 +3,18 @@
 from datetime import datetime
 from typing import Any
 
-from pydantic import Field
+from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.base import WireModel
+from schemas.base import Name, WireModel
 from schemas.job import Job, JobKind, JobState, Priority
 from schemas.labels import LabelRequest
 from schemas.options import Options
 from schemas.problem import Problem
 from schemas.study import ContourStudy
 from schemas.vocabulary import View
+
+ANONYMOUS = "anonymous"
+"""The owner of what was submitted without a key."""
 
 RECONSTRUCT_TASK = "neuralmri.reconstruct"
 RECONSTRUCT_QUEUE = "neuralmri"
@@ -40,6 +43,7 @@ class JobRequest(WireModel):
     A contour job's body is in `contours`; a label job's in `labels`, and its uploaded maps are
     files in `inputs/`, named by `files`. So are the reference meshes of either, by `references`,
     which maps the name of the surface that each is the truth of (`ED_lv_endo`) to its file.
+    owner: whose job it is; a folder of before there were owners is everybody's.
     """
 
     job_id: str
@@ -47,10 +51,19 @@ class JobRequest(WireModel):
     created_at: datetime
     priority: Priority = Priority.INTERACTIVE
     idempotency: Idempotency | None = None
+    owner: Name = ANONYMOUS
     contours: ContourRequest | None = None
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
+
+
+class JobOwner(BaseModel):
+    """Of `request.json`, only whose it is: a study is large, and this is asked often."""
+
+    model_config = ConfigDict(extra="ignore", frozen=True)
+
+    owner: Name = ANONYMOUS
 
 
 class Outcome(WireModel):

@@ -25,6 +25,8 @@ class ProblemType(StrEnum):
     # requests
     MALFORMED_JSON = "malformed-json"
     INVALID_REQUEST = "invalid-request"
+    UNAUTHENTICATED = "unauthenticated"
+    MISSING_SCOPE = "missing-scope"
     NOT_FOUND = "not-found"
     METHOD_NOT_ALLOWED = "method-not-allowed"
     UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"

@@ -1,27 +1,33 @@
 """What every route works with: the jobs, found by the id in a URL."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 from fastapi import Depends, Request
 
 from jobs.admission import Admission
+from jobs.erased import ErasedJobs
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.live_workers import LiveWorkers
+from jobs.owners import JobOwners
 from jobs.queue import JobQueue
-from jobs.records import ANONYMOUS, JobRecords
+from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
 from jobs.waiting_line import WaitingLine
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
+from service.keys.caller import EVERYBODY, NOBODY, Caller
 from service.settings import ServiceSettings
 
 
 @dataclass(frozen=True)
 class JobAccess:
-    """Folders, records, queue and workers, as one service process knows them."""
+    """Folders, records, queue and workers, as one service process knows them.
+
+    caller: for whom jobs are looked up; any other's are not there.
+    """
 
     settings: ServiceSettings
     store: JobStore
@@ -30,6 +36,9 @@ class JobAccess:
     workers: LiveWorkers
     line: WaitingLine
     admission: Admission
+    owners: JobOwners
+    erased: ErasedJobs
+    caller: Caller = NOBODY
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
@@ -43,6 +52,8 @@ class JobAccess:
             workers=workers,
             line=WaitingLine(redis, workers, settings.worker_alive_s),
             admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
+            owners=JobOwners(),
+            erased=ErasedJobs(redis),
         )
 
     def live_workers(self) -> list[str]:
@@ -50,12 +61,31 @@ class JobAccess:
         return self.workers.names(self.settings.worker_alive_s)
 
     def folder(self, job_id: str) -> JobFolder:
-        """The folder of a job that exists. Raises InputError (not found, 404)."""
+        """The folder of a job of the caller's. Raises InputError (not found, 404)."""
         if is_job_id(job_id):
             folder = self.store.folder(job_id)
-            if folder.exists():
+            owner = self.owners.of(folder)
+            if owner is not None and self.caller.sees(owner):
                 return folder
         raise no_such_job()
+
+    def erasable(self, job_id: str) -> JobFolder:
+        """The folder of a job that the caller may erase, or has erased before.
+
+        Raises InputError (not found, 404). Where no keys are asked for, any id will do: there is
+        no owner to keep it from, and no Redis is needed to remember what was erased.
+        """
+        if is_job_id(job_id):
+            folder = self.store.folder(job_id)
+            if not folder.exists() and self._has_erased(job_id):
+                return folder
+        return self.folder(job_id)
+
+    def _has_erased(self, job_id: str) -> bool:
+        if self.caller == EVERYBODY or self.caller.is_admin:
+            return True
+        owner = self.erased.owner_of(job_id)
+        return owner is not None and self.caller.sees(owner)
 
     def job(self, job_id: str) -> Job:
         """The job as it stands. One that Redis has lost is read from its folder.
@@ -86,14 +116,14 @@ def no_such_job() -> InputError:
 
 
 def access_of(request: Request) -> JobAccess:
-    """The process's jobs."""
+    """The process's jobs, as the caller of this request sees them."""
     access: JobAccess = request.app.state.access
-    return access
+    return replace(access, caller=getattr(request.state, "caller", NOBODY))
 
 
-def owner_of() -> str:
-    """Who is calling. There is no authentication yet: everybody is one caller."""
-    return ANONYMOUS
+def owner_of(access: "Access") -> str:
+    """Whose a job becomes that is submitted now."""
+    return access.caller.owner
 
 
 Access = Annotated[JobAccess, Depends(access_of)]

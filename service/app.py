@@ -3,11 +3,15 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
-from fastapi import FastAPI
+from fastapi import Depends, FastAPI
 
 from service.access import JobAccess
+from service.admission import admit
+from service.audit import Audited
+from service.audit_log import AuditLog
 from service.body_limit import BodyLimit
 from service.description import DescribedApi
+from service.keys.gate import Gate
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
@@ -36,13 +40,16 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         redoc_url=None,
         # Short operation ids make readable names in generated clients.
         generate_unique_id_function=lambda route: route.name,
+        dependencies=[Depends(admit)],
     )
     app.state.access = access
+    app.state.gate = Gate.of(settings.data_dir, settings.require_keys)
     install_problem_handlers(app, settings)
     for part in (submit_contours, submit_labels, jobs, artifacts, health):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))
+    app.add_middleware(Audited, log=AuditLog.of_settings(settings))
     app.add_middleware(
         BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s
     )

@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 from schemas.labels import LabelRequest
 from schemas.messages import ContourRequest
 from schemas.problem import Problem
+from service.security_description import add_security
 
 _DESCRIPTION = """\
 Sparse planar segmentations of the heart in, 3D surfaces out.
@@ -56,4 +57,5 @@ def _description(app: FastAPI) -> dict[str, Any]:
         schemas.pop(name, None)
     schemas.update(bodies["$defs"])
     found["components"]["schemas"] = dict(sorted(schemas.items()))
+    add_security(found)
     return found

@@ -1,5 +1,6 @@
 """What the API description says about problems: a response a status, with an example."""
 
+from copy import deepcopy
 from typing import Any
 
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
@@ -12,6 +13,22 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
             ProblemType.MALFORMED_JSON,
             "The body is not valid JSON: Expecting value at line 1 column 10.",
             status=400,
+        ),
+    ),
+    401: (
+        "The service asks for an API key, and none that is good came.",
+        InputError(
+            ProblemType.UNAUTHENTICATED,
+            "this service asks for an API key. Remedy: send a key as `Authorization: Bearer ...`.",
+            status=401,
+        ),
+    ),
+    403: (
+        "The key lacks the scope of this operation.",
+        InputError(
+            ProblemType.MISSING_SCOPE,
+            "this key lacks the scope `submit`. Remedy: use a key made with --scope submit.",
+            status=403,
         ),
     ),
     404: (
@@ -73,6 +90,13 @@ _RETRY_AFTER = {
     "Retry-After": {"description": "Seconds to wait.", "schema": {"type": "integer", "minimum": 1}}
 }
 
+_CHALLENGE: dict[str, Any] = {
+    "WWW-Authenticate": {
+        "description": "`Bearer`, with an `error` and a `scope` (RFC 6750).",
+        "schema": {"type": "string"},
+    }
+}
+
 
 def problems(*statuses: int) -> dict[int | str, dict[str, Any]]:
     """The `responses` of an operation that can fail in these ways; every other is `default`."""
@@ -98,4 +122,6 @@ def described_problem(description: str, example: ServiceError, *, retry: bool) -
     }
     if retry:
         described["headers"] = _RETRY_AFTER
+    if example.status in (401, 403):
+        described["headers"] = deepcopy(_CHALLENGE)  # YAML would make an anchor of it
     return described

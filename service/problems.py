@@ -23,6 +23,7 @@ from schemas.problem import (
     ProblemType,
     ServiceError,
 )
+from service.keys.gate import KeyRefused
 from service.settings import ServiceSettings
 
 MEDIA_TYPE = "application/problem+json"
@@ -87,6 +88,8 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
         headers = again if error.status in (503, 507) else {}
         if error.status in (408, 413):  # the rest of the body is not read
             headers = {"Connection": "close"}
+        if isinstance(error, KeyRefused):
+            headers = {"WWW-Authenticate": error.challenge}
         if error.retry_after_s is not None:
             headers = {"Retry-After": str(error.retry_after_s)}
         if error.type is ProblemType.INTERNAL:

@@ -12,6 +12,15 @@ class ServiceSettings(LimitSettings, JobSettings):
     body_within_s: float = Field(
         default=300.0, gt=0.0, le=3600.0, description="How long one body may take to arrive."
     )
+    require_keys: bool | None = Field(
+        default=None, description="Whether to ask for API keys; None: once one exists."
+    )
+    audit_max_bytes: int = Field(
+        default=16_777_216, ge=4096, description="Bytes of one file of the audit log."
+    )
+    audit_files: int = Field(
+        default=8, ge=2, le=1000, description="Files kept of each kind, the newest among them."
+    )
     poll_after_s: int = Field(
         default=2, ge=1, le=3600, description="What `Retry-After` tells a caller who polls a job."
     )

@@ -8,9 +8,9 @@ from redis import Redis
 
 from jobs.claim import Refusal
 from jobs.errors import IllegalTransition, StaleToken
-from jobs.records import ANONYMOUS, JobRecords
+from jobs.records import JobRecords
 from schemas.job import JobPage, JobState, Progress, Stage
-from schemas.messages import JobRequest, Outcome
+from schemas.messages import ANONYMOUS, JobRequest, Outcome
 from schemas.problem import InternalError, ProblemType
 
 MakeRequest = Callable[[], JobRequest]
@@ -286,8 +286,8 @@ def test_pages_are_complete_and_newest_first(
     requests = [make_request() for _ in range(7)]
     for request in requests:
         records.accepted(request)
-    other = make_request()
-    records.accepted(other, owner="somebody")
+    other = make_request().model_copy(update={"owner": "somebody"})
+    records.accepted(other)
     for request in requests[::2]:
         records.request_cancel(request.job_id)
     seen = [job.id for page in pages(records, None, limit) for job in page.jobs]

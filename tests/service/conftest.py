@@ -16,7 +16,10 @@ from jobs.live_workers import LiveWorkers
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore
+from schemas.api_key import Scope
 from service.app import create_app
+from service.keys import keyring
+from service.keys.key_file import KeyFile
 from service.settings import ServiceSettings
 from tests.redis_server import RedisServer, free_port
 
@@ -100,3 +103,11 @@ def api(shared_api: Api, redis_server: RedisServer) -> Api:
     shutil.rmtree(shared_api.settings.jobs_dir)
     shared_api.settings.jobs_dir.mkdir()
     return shared_api
+
+
+@pytest.fixture
+def keyed(settings: ServiceSettings, serve: Callable[[ServiceSettings], Api]) -> Api:
+    """A service that asks for keys, since one exists."""
+    file = KeyFile(settings.data_dir)
+    keyring.create(file, "the first", "first", (Scope.READ,), None)
+    return serve(settings)

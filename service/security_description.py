@@ -1,0 +1,39 @@
+"""What the API description says about keys: the schemes, and each operation's scope."""
+
+from typing import Any
+
+from service.admission import API_KEY_HEADER, scope_needed
+from service.documented import problems
+
+_SCHEMES: dict[str, Any] = {
+    "bearer": {
+        "type": "http",
+        "scheme": "bearer",
+        "bearerFormat": "nmri_<id>_<secret>",
+        "description": "An API key, as `neuralmri keys create` shows it once. A service without "
+        "any key asks for none.",
+    },
+    "header": {
+        "type": "apiKey",
+        "in": "header",
+        "name": API_KEY_HEADER,
+        "description": "The same key, where a proxy needs `Authorization` for itself.",
+    },
+}
+
+
+def add_security(description: dict[str, Any]) -> None:
+    """Write schemes, and for every operation that is not open its scope and refusals."""
+    description["components"]["securitySchemes"] = _SCHEMES
+    for path, operations in description["paths"].items():
+        for method, operation in operations.items():
+            scope = scope_needed(method, path)
+            if scope is None:
+                operation["security"] = []
+                continue
+            operation["security"] = [{scheme: [scope.value]} for scheme in _SCHEMES]
+            operation["description"] += f"\n\nScope: `{scope}`."
+            refusals = {str(status): found for status, found in problems(401, 403).items()}
+            operation["responses"] = dict(
+                sorted({**refusals, **operation["responses"]}.items(), key=lambda item: item[0])
+            )
