@@ -31,6 +31,8 @@ class ProblemType(StrEnum):
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"
     UNSATISFIABLE_RANGE = "unsatisfiable-range"
+    WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
+    WEBHOOK_DISABLED = "webhook-disabled"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"
