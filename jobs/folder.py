@@ -5,6 +5,7 @@
                     staging-*/          one attempt's results while they are written
                     results/            the published results, manifest.json among them
                     outcome.json        how the job ended, once it has
+                    announced           its end is in the webhooks' outbox (the service's mark)
 
 Every step is a rename or a link, so a reader sees all of it or nothing. No step makes a missing job
 folder: a worker that still runs after an erasure gets `JobGone`, and cannot resurrect the job.

@@ -36,6 +36,8 @@ class ProblemType(StrEnum):
     IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"
     IDEMPOTENCY_KEY_PENDING = "idempotency-key-pending"
     TOO_MANY_JOBS = "too-many-jobs"
+    WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
+    WEBHOOK_DISABLED = "webhook-disabled"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"

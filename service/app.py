@@ -16,22 +16,34 @@ from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
 from service.response_headers import ResponseHeaders
-from service.routes import artifacts, health, jobs, submit_contours, submit_labels
+from service.routes import (
+    artifacts,
+    health,
+    jobs,
+    submit_contours,
+    submit_labels,
+    webhook_deliveries,
+    webhooks,
+)
 from service.settings import ServiceSettings
+from service.webhooks.desk import WebhookDesk
+from service.webhooks.dispatcher import Dispatcher
 
 
 def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     """The ASGI application. It owns nothing that outlives it but what it stored.
 
-    A background thread reconciles at start and from time to time; the application starts, and says
-    that it is not ready, also where Redis is down. Without `settings` the environment is read.
+    Background threads reconcile, at start and from time to time, and deliver webhooks; the
+    application starts, and says that it is not ready, also where Redis is down. Without `settings`
+    the environment is read.
     """
     settings = settings or ServiceSettings()
     access = JobAccess.of_settings(settings)
+    desk = WebhookDesk.of_settings(settings)
 
     @asynccontextmanager
     async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        with Reconciler(access):
+        with Reconciler(access), Dispatcher(access, desk):
             yield
 
     app = DescribedApi(
@@ -44,8 +56,17 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.access = access
     app.state.gate = Gate.of(settings.data_dir, settings.require_keys)
+    app.state.webhooks = desk
     install_problem_handlers(app, settings)
-    for part in (submit_contours, submit_labels, jobs, artifacts, health):
+    for part in (
+        submit_contours,
+        submit_labels,
+        jobs,
+        artifacts,
+        webhooks,
+        webhook_deliveries,
+        health,
+    ):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))

@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 from schemas.labels import LabelRequest
 from schemas.messages import ContourRequest
 from schemas.problem import Problem
+from schemas.webhook import WebhookMessage, WebhookRequest
 from service.security_description import add_security
 
 _DESCRIPTION = """\
@@ -45,11 +46,15 @@ def _description(app: FastAPI) -> dict[str, Any]:
             {"name": "submit", "description": "Send a study."},
             {"name": "jobs", "description": "Follow, cancel and erase jobs."},
             {"name": "results", "description": "Meshes and measures of a job that succeeded."},
+            {"name": "webhooks", "description": "Be told when jobs end."},
             {"name": "operation", "description": "For those who run the service."},
         ],
     )
     _, bodies = models_json_schema(
-        [(model, "validation") for model in (ContourRequest, LabelRequest, Problem)],
+        [
+            (model, "validation")
+            for model in (ContourRequest, LabelRequest, Problem, WebhookMessage, WebhookRequest)
+        ],
         ref_template="#/components/schemas/{model}",
     )
     schemas = found.setdefault("components", {}).setdefault("schemas", {})

@@ -32,11 +32,11 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
         ),
     ),
     404: (
-        "There is no such job, or no such artifact of it.",
+        "There is no such job, artifact or webhook.",
         InputError(ProblemType.NOT_FOUND, "there is no such job.", status=404),
     ),
     409: (
-        "The job has no results: not yet (with Retry-After), or never.",
+        "The job has no results, not yet (with Retry-After) or never; the webhook is disabled.",
         InputError(
             ProblemType.NOT_READY,
             "the job is not finished. Remedy: poll it and come back when it has succeeded.",

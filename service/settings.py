@@ -4,9 +4,10 @@ from pydantic import Field
 
 from intake.settings import LimitSettings
 from jobs.settings import JobSettings
+from service.webhooks.settings import WebhookSettings
 
 
-class ServiceSettings(LimitSettings, JobSettings):
+class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
     """What the API needs beside the settings it shares with the workers. Read once a process."""
 
     body_within_s: float = Field(
