@@ -12,7 +12,15 @@ from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
 from service.response_headers import ResponseHeaders
-from service.routes import artifacts, health, jobs, submit_contours, submit_labels, validate
+from service.routes import (
+    artifacts,
+    health,
+    jobs,
+    options,
+    submit_contours,
+    submit_labels,
+    validate,
+)
 from service.settings import ServiceSettings
 
 
@@ -39,7 +47,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.access = access
     install_problem_handlers(app, settings)
-    for part in (submit_contours, submit_labels, validate, jobs, artifacts, health):
+    for part in (submit_contours, submit_labels, validate, options, jobs, artifacts, health):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))
