@@ -30,6 +30,7 @@ class JobRequest(WireModel):
     A contour job's body is in `contours`; a label job's in `labels`, and its uploaded maps are
     files in `inputs/`, named by `files`. So are the reference meshes of either, by `references`,
     which maps the name of the surface that each is the truth of (`ED_lv_endo`) to its file.
+    `restarted_from` is the job whose inputs these are too.
     """
 
     job_id: str
@@ -39,6 +40,7 @@ class JobRequest(WireModel):
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
+    restarted_from: str | None = None
 
 
 class Outcome(WireModel):

@@ -17,6 +17,7 @@ from service.routes import (
     health,
     jobs,
     options,
+    restart,
     submit_contours,
     submit_labels,
     validate,
@@ -47,7 +48,16 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.access = access
     install_problem_handlers(app, settings)
-    for part in (submit_contours, submit_labels, validate, options, jobs, artifacts, health):
+    for part in (
+        submit_contours,
+        submit_labels,
+        validate,
+        options,
+        jobs,
+        restart,
+        artifacts,
+        health,
+    ):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))

@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 from schemas.labels import LabelRequest
 from schemas.messages import ContourRequest
 from schemas.problem import Problem
+from schemas.restart import RestartRequest
 
 _DESCRIPTION = """\
 Sparse planar segmentations of the heart in, 3D surfaces out.
@@ -48,7 +49,10 @@ def _description(app: FastAPI) -> dict[str, Any]:
         ],
     )
     _, bodies = models_json_schema(
-        [(model, "validation") for model in (ContourRequest, LabelRequest, Problem)],
+        [
+            (model, "validation")
+            for model in (ContourRequest, LabelRequest, RestartRequest, Problem)
+        ],
         ref_template="#/components/schemas/{model}",
     )
     schemas = found.setdefault("components", {}).setdefault("schemas", {})
