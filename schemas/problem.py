@@ -31,6 +31,7 @@ class ProblemType(StrEnum):
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"
     UNSATISFIABLE_RANGE = "unsatisfiable-range"
+    CROSS_ORIGIN = "cross-origin"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"

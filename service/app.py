@@ -4,9 +4,11 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import FastAPI
+from starlette.middleware.cors import CORSMiddleware
 
 from service.access import JobAccess
 from service.body_limit import BodyLimit
+from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
@@ -64,6 +66,9 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app.add_middleware(
         BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s
     )
+    app.add_middleware(CrossOriginGuard, origins=settings.origins)
+    if settings.origins:
+        app.add_middleware(CORSMiddleware, **cors(settings.origins))
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
     return app
