@@ -19,6 +19,7 @@ from service.routes import (
     health,
     jobs,
     options,
+    pages,
     restart,
     submit_contours,
     submit_labels,
@@ -44,6 +45,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app = DescribedApi(
         title="neuralmri",
         lifespan=lifespan,
+        docs_url=None,  # the pages are routes of our own, see service/routes/pages.py
         redoc_url=None,
         # Short operation ids make readable names in generated clients.
         generate_unique_id_function=lambda route: route.name,
@@ -59,6 +61,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         restart,
         artifacts,
         health,
+        pages,
     ):
         app.include_router(part.router)
     requests = RequestMetrics()

@@ -43,7 +43,7 @@ def _description(app: FastAPI) -> dict[str, Any]:
         servers=[{"url": "/"}],
         tags=[
             {"name": "submit", "description": "Send a study."},
-            {"name": "jobs", "description": "Follow, cancel and erase jobs."},
+            {"name": "jobs", "description": "Follow, cancel, restart and erase jobs."},
             {"name": "results", "description": "Meshes and measures of a job that succeeded."},
             {"name": "operation", "description": "For those who run the service."},
         ],

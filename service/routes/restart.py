@@ -20,7 +20,7 @@ from service.documented import problems
 from service.media_type import require_media_type
 from service.problems import NotReadyError
 
-router = APIRouter(tags=["submit"])
+router = APIRouter(tags=["jobs"])
 
 _JSON = "application/json"
 _BODY: dict[str, Any] = {
