@@ -10,10 +10,14 @@ from typing import NoReturn
 import typer
 
 from cli.ablate import ablate
+from cli.cancel import cancel
 from cli.console import complain
 from cli.demo import demo
+from cli.download import download
+from cli.erase import erase
 from cli.evaluate import evaluate
 from cli.keys import keys
+from cli.list_jobs import list_jobs
 from cli.phantom import phantom
 from cli.reconstruct import reconstruct
 from cli.serve import serve
@@ -30,12 +34,15 @@ app = typer.Typer(
     name="neuralmri",
     help="Sparse planar heart segmentations in, simulation-ready 3D surfaces out.",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
 )
 app.command()(serve)
 app.command()(reconstruct)
 app.command()(submit)
+app.command("list")(list_jobs)
+app.command()(cancel)
+app.command()(erase)
+app.command()(download)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)

@@ -114,7 +114,7 @@ def _start(plan: ServerPlan, children: Children) -> None:
         python_module(
             "uvicorn",
             *("--factory", _API, "--host", plan.host, "--port", str(plan.port)),
-            *("--no-access-log", "--timeout-graceful-shutdown", "3"),
+            *("--no-access-log", "--no-server-header", "--timeout-graceful-shutdown", "3"),
         ),
         env=env,
     )

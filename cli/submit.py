@@ -23,17 +23,23 @@ from cli.input_arguments import (
     SubjectId,
 )
 from cli.inputs import ContourInput, read_input
-from cli.server_arguments import ApiKeyText
+from cli.server_arguments import (
+    DEFAULT_RETRY_WITHIN_S,
+    LOCAL_SERVER,
+    ApiKeyText,
+    RetryWithin,
+    ServerUrl,
+    connected,
+)
 from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 
 
 def submit(
     study: InputArgument = None,
-    server: Annotated[
-        str, typer.Option(envvar="NEURALMRI_URL", help="Where the service is.")
-    ] = "http://127.0.0.1:8000",
+    server: ServerUrl = LOCAL_SERVER,
     api_key: ApiKeyText = None,
+    retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="With --wait: folder for the artifacts.", file_okay=False)
@@ -51,7 +57,6 @@ def submit(
     as_json: JsonFlag = False,
 ) -> None:
     """Send one subject to a server; with --wait follow it and fetch the results."""
-    from cli.client import Client
     from cli.progress import progress_bar
     from cli.server_errors import ended_badly
     from cli.summary import print_summary
@@ -62,7 +67,7 @@ def submit(
         label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
     )
     given = read_input(study, maps, options, reference or ())
-    with Client(server, api_key) as client:
+    with connected(server, api_key, retry_within) as client:
         if not as_json and isinstance(given, ContourInput):
             tell_effort(given.request.study, given.request.options)
         job = client.submit(given)

@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from intake.even_odd import following
+
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
@@ -20,7 +22,7 @@ def crossing_edges(points: Array, closed: bool) -> tuple[Indices, Indices] | Non
     tangled that looking at every candidate would cost too much.
     """
     a = points if closed else points[:-1]
-    b = np.roll(points, -1, axis=0)[: len(a)]
+    b = following(points)[: len(a)]
     c, s = np.cos(_ODD_ANGLE), np.sin(_ODD_ANGLE)
     xa, xb = a @ np.array([c, s]), b @ np.array([c, s])
     order = np.argsort(np.minimum(xa, xb), kind="stable")

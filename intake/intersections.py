@@ -1,12 +1,14 @@
 """Do slices that cross agree along the lines they share?"""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.even_odd import crossings
+from intake.even_odd import crossings_of_axis, widths
 from intake.placed import PlacedFrame, PlacedSlice
+from intake.planes import cross
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Structure
 
@@ -48,11 +50,10 @@ def check_intersections(frame: PlacedFrame, extent_mm: float) -> list[str]:
     pairs = _crossing_pairs(outlined)
     whole, of_slice = _Tally(), {s.id: _Tally() for s in outlined}
     for a, b in pairs[:: 1 + len(pairs) // _PAIRS]:
-        for structure in a.structures:
-            if structure in b.structures:
-                shared, joint = _along_line(a, b, structure)
-                for tally in (whole, of_slice[a.id], of_slice[b.id]):
-                    tally.add(shared, joint)
+        both = [structure for structure in a.structures if structure in b.structures]
+        for shared, joint in _along_line(a, b, both):
+            for tally in (whole, of_slice[a.id], of_slice[b.id]):
+                tally.add(shared, joint)
     if whole.likeness >= NOTED_BELOW or whole.joint < 0.5 * extent_mm:
         return []
     worst = max(outlined, key=lambda s: of_slice[s.id].joint - of_slice[s.id].shared)
@@ -78,24 +79,30 @@ def _crossing_pairs(slices: list[PlacedSlice]) -> list[tuple[PlacedSlice, Placed
     return [(slices[i], slices[j]) for i, j in np.argwhere(steep)]
 
 
-def _along_line(a: PlacedSlice, b: PlacedSlice, structure: Structure) -> tuple[float, float]:
-    """Length of the planes' common line inside the structure on both slices, and on either, mm."""
-    direction = np.cross(a.plane.normal, b.plane.normal)
+def _along_line(
+    a: PlacedSlice, b: PlacedSlice, structures: list[Structure]
+) -> Iterator[tuple[float, float]]:
+    """Length of the planes' common line inside each structure on both slices, and on either, mm."""
+    direction = cross(a.plane.normal, b.plane.normal)
     direction /= np.linalg.norm(direction)
     normals = np.stack([a.plane.normal, b.plane.normal, direction])
     heights = np.array([s.plane.normal @ s.plane.origin for s in (a, b)] + [0.0])
     origin = np.linalg.solve(normals, heights)
-    in_a, in_b = (_ends(s, structure, origin, direction) for s in (a, b))
+    axes = [np.stack([direction, cross(s.plane.normal, direction)], axis=1) for s in (a, b)]
+    for structure in structures:
+        # Where the line enters and leaves the structure, as lengths along it, mm.
+        in_a, in_b = (
+            crossings_of_axis([(c.points_mm - origin) @ of_s for c in s.of(structure)])
+            for s, of_s in zip((a, b), axes, strict=True)
+        )
+        yield _shared_and_joint(in_a, in_b)
+
+
+def _shared_and_joint(in_a: Array, in_b: Array) -> tuple[float, float]:
+    """Lengths inside both, and either, of two sets of intervals, given by their ends."""
     ends = np.concatenate([in_a, in_b])
     order = np.argsort(ends, kind="stable")
     first = order < len(in_a)
-    steps = np.diff(ends[order], append=0.0)
+    steps = widths(ends[order])
     inside_a, inside_b = np.cumsum(first) % 2 == 1, np.cumsum(~first) % 2 == 1
     return float(steps[inside_a & inside_b].sum()), float(steps[inside_a | inside_b].sum())
-
-
-def _ends(slice_: PlacedSlice, structure: Structure, origin: Array, direction: Array) -> Array:
-    """Where the line enters and leaves the structure, as lengths along it (k,), mm."""
-    axes = np.stack([direction, np.cross(slice_.plane.normal, direction)], axis=1)
-    rings = [(c.points_mm - origin) @ axes for c in slice_.of(structure)]
-    return np.concatenate([at for _, at in crossings(rings, np.zeros(1))])

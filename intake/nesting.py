@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from intake.even_odd import following
 from intake.overlap import Overlap, overlap
 from intake.placed import PlacedSlice
 from schemas.problem import InputError, ProblemType
@@ -108,7 +109,7 @@ def _remedy(one: Structure, other: Structure, where: str) -> str:
 
 
 def _length(ring: Array) -> float:
-    return float(np.linalg.norm(ring - np.roll(ring, 1, axis=0), axis=1).sum())
+    return float(np.linalg.norm(following(ring) - ring, axis=1).sum())
 
 
 def _boxes_meet(slice_: PlacedSlice, a: Structure, b: Structure) -> bool:

@@ -22,10 +22,11 @@ def check_outlines(slice_: PlacedSlice, extent_mm: float) -> list[str]:
     for contour in slice_.contours:
         ring, index = _distinct(contour)
         _check_extent(slice_, contour, ring)
-        _check_area(slice_, contour, ring)
+        filled_mm2 = area_mm2([ring])
+        _check_area(slice_, contour, ring, filled_mm2)
         if contour.closed:
             _check_closed(slice_, contour, ring)
-        warnings += check_simple(slice_, contour, ring, index, extent_mm)
+        warnings += check_simple(slice_, contour, ring, index, filled_mm2, extent_mm)
     return warnings
 
 
@@ -58,9 +59,11 @@ def _refuse_degenerate(slice_: PlacedSlice, contour: PlacedContour, what: str) -
     )
 
 
-def _check_area(slice_: PlacedSlice, contour: PlacedContour, ring: Array) -> None:
+def _check_area(
+    slice_: PlacedSlice, contour: PlacedContour, ring: Array, filled_mm2: float
+) -> None:
     # Either area alone can vanish: the even-odd one when wound twice, the other in an eight.
-    area = max(area_mm2([ring]), abs(shoelace_mm2(ring)))
+    area = max(filled_mm2, abs(shoelace_mm2(ring)))
     if area <= 1e-4 * float((np.ptp(ring, axis=0) ** 2).sum()):
         _refuse_degenerate(slice_, contour, "goes there and back along the same line")
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.even_odd import crossings
+from intake.even_odd import crossings, widths
 
 Array = NDArray[np.float64]
 
@@ -44,7 +44,7 @@ def overlap(rings: Sequence[Array], others: Sequence[Array]) -> Overlap:
     # Every line crosses a ring an even number of times, so the parities may run on over the lines.
     in_a = np.cumsum(first) % 2 == 1
     in_b = np.cumsum(~first) % 2 == 1
-    steps = np.diff(x[order], append=0.0)
+    steps = widths(x[order])
     return Overlap(
         area_mm2=float(steps[in_a].sum()) * height,
         shared_mm2=float(steps[in_a & in_b].sum()) * height,
@@ -57,7 +57,7 @@ def area_mm2(rings: Sequence[Array]) -> float:
 
 
 def _ends(rings: Sequence[Array], lines: Array) -> tuple[NDArray[np.intp], Array]:
-    blocks = list(crossings(rings, lines))
-    if not blocks:
+    if not rings:
         return np.empty(0, dtype=np.intp), np.empty(0)
+    blocks = list(crossings(rings, lines))
     return np.concatenate([rows for rows, _ in blocks]), np.concatenate([x for _, x in blocks])

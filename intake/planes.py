@@ -44,7 +44,7 @@ class Plane:
         helper[int(np.argmin(np.abs(n).round(9)))] = 1.0
         u = helper - (helper @ n) * n
         u /= np.linalg.norm(u)
-        return Plane(origin=origin, normal=n, u=u, v=np.cross(n, u))
+        return Plane(origin=origin, normal=n, u=u, v=cross(n, u))
 
     def to_plane(self, points_mm: Array) -> Array:
         """In-plane coordinates (n, 2), mm, of the feet of points (n, 3)."""
@@ -58,6 +58,12 @@ class Plane:
         """Distance (n,), mm, of points (n, 3) from the plane, positive along the normal."""
         distance: Array = (points_mm - self.origin) @ self.normal
         return distance
+
+
+def cross(a: Array, b: Array) -> Array:
+    """The cross product of two vectors (3,). numpy's own takes ten times as long for one pair."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def fit_plane(points_mm: Array) -> Plane:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from intake.crossing_edges import crossing_edges
-from intake.overlap import area_mm2
+from intake.even_odd import following
 from intake.placed import PlacedContour, PlacedSlice
 from schemas.problem import InputError, ProblemType
 
@@ -26,12 +26,13 @@ def check_simple(
     contour: PlacedContour,
     ring: Array,
     index: NDArray[np.intp],
+    filled_mm2: float,
     extent_mm: float,
 ) -> list[str]:
     """A warning when a contour crosses itself slightly.
 
     `ring` (n, 2), mm, is the contour without repeated points; `index` (n,) is where each stands
-    among the points as sent; `extent_mm` is the study's.
+    among the points as sent; `filled_mm2` is its even-odd area, `extent_mm` the study's extent.
 
     Raises:
         InputError: `SELF_CROSSING_CONTOUR` when a fold holds more than 2 % of the area;
@@ -46,14 +47,13 @@ def check_simple(
             pointer=contour.pointer,
             status=413,
         )
-    filled = area_mm2([ring])
     wound = abs(shoelace_mm2(ring))
     edges = np.stack(found, axis=1)
-    share, at = _largest_loop(ring, edges, filled)
+    share, at = _largest_loop(ring, edges, filled_mm2)
     if contour.closed:
         # Crossing at a shared point shows in no edge; but winding and even-odd areas then differ.
-        share = max(share, abs(filled - wound) / max(filled, wound, 1e-300))
-    folded_mm2 = share * max(filled, wound)
+        share = max(share, abs(filled_mm2 - wound) / max(filled_mm2, wound, 1e-300))
+    folded_mm2 = share * max(filled_mm2, wound)
     if share > CROSSED_SHARE and folded_mm2 > (_SPECK * extent_mm) ** 2:
         where, place = "", contour.pointer
         if at is not None:
@@ -92,4 +92,4 @@ def _largest_loop(
 def shoelace_mm2(ring: Array) -> float:
     """Signed area of a ring (n, 2): each part counts as often as the outline winds around it."""
     x, y = (ring - ring[:1]).T
-    return 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
+    return 0.5 * float(x @ following(y) - y @ following(x))

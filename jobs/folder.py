@@ -22,14 +22,16 @@ from typing import BinaryIO
 
 from jobs.durable import sync_folder, sync_tree, write_durably
 from jobs.errors import AlreadyPublished, JobGone
+from jobs.stored_input import StoredInput
 from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.messages import JobOwner, JobRequest, Outcome
 
 NEW_PREFIX = ".new-"
 ERASED_PREFIX = ".erased-"
 
-Source = Path | bytes | BinaryIO
-"""An input to copy: a file by path, its bytes, or an open file that is read from its start."""
+Source = Path | bytes | BinaryIO | StoredInput
+"""An input to copy: a file by path, its bytes, an open file that is read from its start, or what
+another job has."""
 
 _FILE_NAME = re.compile(r"^[A-Za-z0-9_][A-Za-z0-9._-]{0,159}$")
 
@@ -182,6 +184,8 @@ class JobFolder:
 def _copy(source: Source, target: Path) -> None:
     if isinstance(source, bytes):
         target.write_bytes(source)
+    elif isinstance(source, StoredInput):
+        source.give(target)
     elif isinstance(source, Path):
         shutil.copyfile(source, target)
     else:

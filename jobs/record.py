@@ -29,6 +29,7 @@ class Record:
     attempt: int = 0
     progress: Progress = field(default_factory=Progress)
     error: Problem | None = None
+    restarted_from: str | None = None
     token: int = 0
     free_from_us: int = 0
     priority: Priority = Priority.INTERACTIVE
@@ -42,6 +43,7 @@ class Record:
             kind=request.kind,
             state=JobState.QUEUED,
             created_at=request.created_at,
+            restarted_from=request.restarted_from,
             free_from_us=now_us,
             priority=request.priority,
             idempotency=request.idempotency,
@@ -60,6 +62,7 @@ class Record:
             attempt=int(fields["attempt"]),
             progress=Progress.model_validate_json(fields["progress"]),
             error=Problem.model_validate_json(fields["error"]) if fields["error"] else None,
+            restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
             # These two are not there in records of an older release.
@@ -78,6 +81,7 @@ class Record:
             "attempt": str(self.attempt),
             "progress": self.progress.model_dump_json(),
             "error": self.error.model_dump_json() if self.error else "",
+            "restarted_from": self.restarted_from or "",
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
             "priority": self.priority.value,
@@ -122,6 +126,7 @@ class Record:
             finished_at=self.finished_at,
             attempt=self.attempt,
             error=self.error,
+            restarted_from=self.restarted_from,
             links=Links(
                 self=here,
                 cancel=f"{here}/cancel",

@@ -111,6 +111,9 @@ class Job(WireModel):
     finished_at: datetime | None = None
     attempt: int = Field(default=0, ge=0, description="How often a worker has started it.")
     error: Problem | None = None
+    restarted_from: str | None = Field(
+        default=None, description="The job that this one does anew; it may have been erased since."
+    )
     links: Links
 
 

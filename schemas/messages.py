@@ -44,6 +44,7 @@ class JobRequest(WireModel):
     files in `inputs/`, named by `files`. So are the reference meshes of either, by `references`,
     which maps the name of the surface that each is the truth of (`ED_lv_endo`) to its file.
     owner: whose job it is; a folder of before there were owners is everybody's.
+    `restarted_from` is the job whose inputs these are too.
     """
 
     job_id: str
@@ -56,6 +57,7 @@ class JobRequest(WireModel):
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
+    restarted_from: str | None = None
 
 
 class JobOwner(BaseModel):

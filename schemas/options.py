@@ -242,7 +242,7 @@ class Options(WireModel):
         name = given.get("preset", Preset.STANDARD)
         # Anything but a string is left for the field itself to refuse; a list has no hash.
         preset = PRESETS.get(name) if isinstance(name, str) else None
-        return _under(preset, given) if preset else given
+        return under(preset, given) if preset else given
 
 
 PRESETS: dict[str, dict[str, Any]] = {
@@ -263,7 +263,7 @@ PRESETS: dict[str, dict[str, Any]] = {
 }
 
 
-def _under(defaults: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
+def under(defaults: dict[str, Any], given: dict[str, Any]) -> dict[str, Any]:
     """`given` with what it leaves out taken from `defaults`, group by group."""
     merged = {**defaults, **given}
     for key, value in defaults.items():

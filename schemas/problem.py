@@ -38,6 +38,7 @@ class ProblemType(StrEnum):
     TOO_MANY_JOBS = "too-many-jobs"
     WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
     WEBHOOK_DISABLED = "webhook-disabled"
+    CROSS_ORIGIN = "cross-origin"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"

@@ -14,12 +14,15 @@ API_KEY_HEADER = "X-API-Key"
 OPEN_PATHS = ("/healthz", "/readyz")
 """What load balancers and container engines ask. It says nothing about jobs."""
 
+_PAGES = ("/docs", "/redoc", "/openapi.json")
+"""What browsers open, which send no key. They describe the calls and say nothing about jobs."""
+
 _READING = ("GET", "HEAD", "OPTIONS")
 
 
 def scope_needed(method: str, path: str) -> Scope | None:
     """The scope of an operation by the template of its path; None for an open one."""
-    if path in OPEN_PATHS:
+    if path in OPEN_PATHS or path.startswith(_PAGES):
         return None
     return Scope.READ if method.upper() in _READING else Scope.SUBMIT
 

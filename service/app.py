@@ -4,12 +4,14 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
+from starlette.middleware.cors import CORSMiddleware
 
 from service.access import JobAccess
 from service.admission import admit
 from service.audit import Audited
 from service.audit_log import AuditLog
 from service.body_limit import BodyLimit
+from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
 from service.keys.gate import Gate
 from service.metrics import RequestMetrics, metrics_route
@@ -20,8 +22,12 @@ from service.routes import (
     artifacts,
     health,
     jobs,
+    options,
+    pages,
+    restart,
     submit_contours,
     submit_labels,
+    validate,
     webhook_deliveries,
     webhooks,
 )
@@ -49,6 +55,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app = DescribedApi(
         title="neuralmri",
         lifespan=lifespan,
+        docs_url=None,  # the pages are routes of our own, see service/routes/pages.py
         redoc_url=None,
         # Short operation ids make readable names in generated clients.
         generate_unique_id_function=lambda route: route.name,
@@ -61,11 +68,15 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     for part in (
         submit_contours,
         submit_labels,
+        validate,
+        options,
         jobs,
+        restart,
         artifacts,
         webhooks,
         webhook_deliveries,
         health,
+        pages,
     ):
         app.include_router(part.router)
     requests = RequestMetrics()
@@ -74,6 +85,9 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app.add_middleware(
         BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s
     )
+    app.add_middleware(CrossOriginGuard, origins=settings.origins)
+    if settings.origins:
+        app.add_middleware(CORSMiddleware, **cors(settings.origins))
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
     return app

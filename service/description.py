@@ -9,6 +9,7 @@ from pydantic.json_schema import models_json_schema
 from schemas.labels import LabelRequest
 from schemas.messages import ContourRequest
 from schemas.problem import Problem
+from schemas.restart import RestartRequest
 from schemas.webhook import WebhookMessage, WebhookRequest
 from service.security_description import add_security
 
@@ -44,7 +45,7 @@ def _description(app: FastAPI) -> dict[str, Any]:
         servers=[{"url": "/"}],
         tags=[
             {"name": "submit", "description": "Send a study."},
-            {"name": "jobs", "description": "Follow, cancel and erase jobs."},
+            {"name": "jobs", "description": "Follow, cancel, restart and erase jobs."},
             {"name": "results", "description": "Meshes and measures of a job that succeeded."},
             {"name": "webhooks", "description": "Be told when jobs end."},
             {"name": "operation", "description": "For those who run the service."},
@@ -53,7 +54,14 @@ def _description(app: FastAPI) -> dict[str, Any]:
     _, bodies = models_json_schema(
         [
             (model, "validation")
-            for model in (ContourRequest, LabelRequest, Problem, WebhookMessage, WebhookRequest)
+            for model in (
+                ContourRequest,
+                LabelRequest,
+                RestartRequest,
+                Problem,
+                WebhookMessage,
+                WebhookRequest,
+            )
         ],
         ref_template="#/components/schemas/{model}",
     )

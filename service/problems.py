@@ -24,6 +24,7 @@ from schemas.problem import (
     ServiceError,
 )
 from service.keys.gate import KeyRefused
+from service.security_headers import SECURITY_HEADERS
 from service.settings import ServiceSettings
 
 MEDIA_TYPE = "application/problem+json"
@@ -64,7 +65,8 @@ def problem_response(problem: Problem, headers: Mapping[str, str] | None = None)
     return Response(
         problem.model_dump_json(exclude_none=True),
         status_code=problem.status,
-        headers=dict(headers or {}),
+        # Here too: an answer to a crash passes no middleware.
+        headers={**SECURITY_HEADERS, **(headers or {})},
         media_type=MEDIA_TYPE,
     )
 

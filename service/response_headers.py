@@ -4,10 +4,13 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.problems import MEDIA_TYPE, problem_of_status, problem_response
+from service.security_headers import SECURITY_HEADERS
+
+_KEPT = ("allow", "content-range", "retry-after", "vary")
 
 
 class ResponseHeaders:
-    """ASGI middleware: no sniffing of media types, and no storing of patients' data in caches.
+    """ASGI middleware: every answer has the security headers, its own values first.
 
     An error that a library answers in its own words (a range that cannot be satisfied, say) is
     replaced by the problem document for its status.
@@ -25,9 +28,8 @@ class ResponseHeaders:
         async def send_with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 headers = MutableHeaders(scope=message)
-                headers.setdefault("X-Content-Type-Options", "nosniff")
-                headers.setdefault("Cache-Control", "no-store")
-                headers.setdefault("Referrer-Policy", "no-referrer")
+                for name, value in SECURITY_HEADERS.items():
+                    headers.setdefault(name, value)
             await send(message)
 
         async def send_screened(message: Message) -> None:
@@ -51,6 +53,6 @@ async def _send_problem(message: Message, scope: Scope, receive: Receive, send: 
     kept = {
         name: value
         for name, value in Headers(raw=message["headers"]).items()
-        if name in ("allow", "content-range", "retry-after")
+        if name in _KEPT or name.startswith("access-control-")
     }
     await problem_response(problem, kept)(scope, receive, send)

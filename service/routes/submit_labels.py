@@ -1,60 +1,30 @@
 """POST /v1/jobs/labels."""
 
-from collections.abc import AsyncIterator
 from datetime import UTC, datetime
-from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Request, Response
+from fastapi import APIRouter, Response
 
 from intake.inflate import is_gzip
-from intake.json_body import parse_json
-from intake.label_maps import check_label_maps
-from intake.references import judge_references
 from schemas.job import Job, JobKind
-from schemas.labels import LabelRequest
 from schemas.messages import JobRequest
-from schemas.vocabulary import View
 from service.acceptance import accept
 from service.access import Access, Owner
 from service.documented import problems
-from service.form_description import form_content
-from service.form_upload import FORM, FormUpload, received_form
-from service.media_type import require_media_type
+from service.label_submission import LABEL_BODY, LabelUpload, judge_labels
 from service.submission_answers import SUBMISSION
 from service.submission_terms import Terms
 
 router = APIRouter(tags=["submit"])
-
-_VIEWS = (View.SAX, View.LAX_2CH, View.LAX_3CH, View.LAX_4CH)
-_MAX_JSON_BYTES = 1 << 20
-_BODY: dict[str, Any] = {
-    "requestBody": {
-        "required": True,
-        "content": {
-            FORM: form_content(
-                "LabelRequest", {view.value: f"NIfTI label map of {view}." for view in _VIEWS}
-            )
-        },
-    }
-}
-
-
-async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]:
-    require_media_type(request, FORM)
-    async with received_form(
-        request, _VIEWS, access.settings.limits(), max_json_bytes=_MAX_JSON_BYTES
-    ) as upload:
-        yield upload
 
 
 @router.post(
     "/v1/jobs/labels",
     status_code=202,
     responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
-    openapi_extra=_BODY,
+    openapi_extra=LABEL_BODY,
 )
 def submit_labels(
-    upload: Annotated[FormUpload, Depends(_upload)],
+    upload: LabelUpload,
     access: Access,
     owner: Owner,
     terms: Terms,
@@ -66,13 +36,10 @@ def submit_labels(
     the worker. At least one label map is needed. Reference meshes may come beside them; a job
     whose maps turn out not to give the surface of a reference fails.
     """
-    limits = access.settings.limits()
-    labels = parse_json(upload.request, LabelRequest, limits)
-    maps = {View(name): file for name, file in upload.files.items()}
-    check_label_maps(maps, labels, limits)
-    references = judge_references(upload.references, limits)
+    judged = judge_labels(upload, access.settings.limits())
     names = {
-        view: f"{view}.nii.gz" if is_gzip(file) else f"{view}.nii" for view, file in maps.items()
+        view: f"{view}.nii.gz" if is_gzip(file) else f"{view}.nii"
+        for view, file in judged.maps.items()
     }
     request = JobRequest(
         job_id=access.store.new_id(),
@@ -80,12 +47,12 @@ def submit_labels(
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
         idempotency=terms.idempotency(JobKind.LABELS, upload),
-        labels=labels,
+        labels=judged.request,
         files=names,
-        references=references,
+        references=judged.references,
     )
     inputs = {
-        **{names[view]: file for view, file in maps.items()},
-        **{references[surface]: file for surface, file in upload.references.items()},
+        **{names[view]: file for view, file in judged.maps.items()},
+        **{judged.references[surface]: file for surface, file in upload.references.items()},
     }
     return accept(access, request, inputs, owner, response)

@@ -51,7 +51,7 @@ def test_help_names_every_subcommand_and_loads_no_science() -> None:
     ended = run("--help")
     assert ended.returncode == 0
     commands = "serve", "reconstruct", "submit", "evaluate", "ablate", "slice", "phantom", "demo"
-    for name in (*commands, "keys"):
+    for name in (*commands, "keys", "list", "cancel", "erase", "download"):
         assert name in ended.stdout
     code = "import cli.main, sys; print(*sys.modules)"
     loaded = subprocess.run(
@@ -96,8 +96,10 @@ def test_bad_input_for_a_machine_is_a_problem_document_on_standard_output(tmp_pa
 def test_a_server_that_is_not_there_is_our_fault_and_says_what_to_do(tmp_path: Path) -> None:
     study = tmp_path / "study.json"
     study.write_text(json.dumps(STUDY))
-    ended = run("submit", study, "--server", f"http://127.0.0.1:{free_port()}")
+    nowhere = f"http://127.0.0.1:{free_port()}"
+    ended = run("submit", study, "--server", nowhere, "--retry-within", "1")
     assert ended.returncode == 1
+    assert "trying again" in ended.stderr
     assert "neuralmri serve" in ended.stderr
 
 
@@ -111,6 +113,12 @@ def test_a_server_that_is_not_there_is_our_fault_and_says_what_to_do(tmp_path: P
         ["submit", __file__, "--reference", "no-such-file.ply"],
         ["serve", "--port", "0"],
         ["no-such-command"],
+        ["list", "--limit", "0"],
+        ["list", "--state", "done"],
+        ["list", "--server", "127.0.0.1:8000"],
+        ["cancel", "../jobs"],
+        ["erase", ""],
+        ["download", "1" * 32],
     ],
 )
 def test_wrong_use_ends_with_2(arguments: list[str], tmp_path: Path) -> None:

@@ -54,6 +54,13 @@ def test_sigterm_hands_the_job_back_stops_every_process_and_a_new_server_does_th
     assert done["attempt"] == 1, "a worker that closes in order costs no attempt"
 
 
+def test_no_answer_tells_what_software_made_it(server: ServeProcess) -> None:
+    for path in ("/readyz", "/nowhere", "/docs"):
+        headers = httpx.get(f"{server.url}{path}").headers
+        assert "server" not in headers
+        assert "x-powered-by" not in headers
+
+
 def test_ctrl_c_is_the_ordinary_end(start: Start) -> None:
     server = start().wait_until_ready()
     family = server.family()

@@ -1,6 +1,6 @@
 import pytest
 
-from tests.end_to_end.transcript import Step, matches, steps
+from tests.end_to_end.transcript import Step, matches, programs, steps
 
 DOCUMENT = """
 Text
@@ -56,3 +56,10 @@ def test_what_fits(expected: tuple[str, ...], printed: str) -> None:
 )
 def test_what_does_not_fit(expected: tuple[str, ...], printed: str) -> None:
     assert not matches(expected, printed)
+
+
+def test_programs_are_python_blocks() -> None:
+    assert programs("a\n```python\nprint(1)\n```\n```sh\nb\n```\n```python\n\n```\n") == [
+        "print(1)\n",
+        "\n",
+    ]

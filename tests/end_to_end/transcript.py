@@ -11,12 +11,15 @@ A fenced block whose info string is `console` is a transcript. In it,
 All transcripts of a document are one session of bash, in order, with `set -eu`: variables live on,
 and the first command that fails ends it. Blocks with another info string (`sh`, `text`, ...) are
 not run: the way to show a command that does not end, or that installs something.
+
+A `python` block is a program of its own, run in a folder of its own; what it prints is not shown.
 """
 
 import re
 from dataclasses import dataclass
 
 _BLOCK = re.compile(r"^```console\n(.*?)^```", re.MULTILINE | re.DOTALL)
+_PROGRAM = re.compile(r"^```python\n(.*?)^```", re.MULTILINE | re.DOTALL)
 SERVER = "127.0.0.1:8000"
 
 
@@ -38,6 +41,11 @@ def steps(document: str) -> list[Step]:
             command = "\n".join([lines[0], *(line.removeprefix("> ") for line in more)])
             found.append(Step(command, tuple(lines[1 + len(more) :])))
     return found
+
+
+def programs(document: str) -> list[str]:
+    """Every Python program of a document, in order."""
+    return _PROGRAM.findall(document)
 
 
 def matches(expected: tuple[str, ...], printed: str) -> bool:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from intake.planes import Plane, fit_plane, slice_plane
+from intake.planes import Plane, cross, fit_plane, slice_plane
 from schemas.problem import InputError, ProblemType
 from schemas.study import Contour, Slice
 
@@ -82,3 +82,8 @@ def test_a_slice_has_its_plane_in_millimetres() -> None:
     fitted = slice_plane(Slice(id="a", contours=[triangle]), 10.0)
     np.testing.assert_allclose(fitted.origin, [10 / 3, 10 / 3, 20])
     np.testing.assert_allclose(fitted.normal, [0, 0, 1], atol=1e-12)
+
+
+def test_the_cross_product_is_numpy_s() -> None:
+    for a, b in np.random.default_rng(0).normal(size=(100, 2, 3)):
+        assert np.array_equal(cross(a, b), np.cross(a, b))

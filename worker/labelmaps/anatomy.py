@@ -10,9 +10,10 @@ import numpy as np
 from jaxtyping import UInt8
 from scipy.ndimage import binary_dilation
 
+from schemas.label_schemes import published_labels
 from schemas.labels import LabelScheme
 from schemas.vocabulary import View
-from worker.labelmaps.scheme import Tissue, published_labels, values_by_tissue
+from worker.labelmaps.scheme import Tissue, values_by_tissue
 from worker.labelmaps.volume import Labels, Tissues, to_tissues
 
 _LEAST_ENCLOSED = 0.5

@@ -8,10 +8,11 @@ import nibabel
 import numpy as np
 from jaxtyping import Float, Int
 
+from schemas.label_schemes import published_labels
 from schemas.labels import LabelScheme, TissueLabels
 from schemas.vocabulary import View
 from worker.arrays import Points, Vector
-from worker.labelmaps.scheme import Tissue, published_labels, values_by_tissue
+from worker.labelmaps.scheme import Tissue, values_by_tissue
 from worker.phantom.analytic_heart import Heart
 from worker.phantom.planes import LONG_AXIS_DEGREES
 from worker.phantom.pose import Pose

@@ -6,12 +6,13 @@ import re
 import numpy as np
 import pytest
 
+from schemas.label_schemes import published_labels
 from schemas.labels import LabelRequest, LabelScheme, TissueLabels
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import View
 from tests.labelmaps.heart_maps import lax, renamed, sax
 from worker.labelmaps.check import check_labels
-from worker.labelmaps.scheme import published_labels, values_by_tissue
+from worker.labelmaps.scheme import values_by_tissue
 
 VIEWS = {View.SAX: sax, View.LAX_3CH: lax, View.LAX_4CH: lax}
 
