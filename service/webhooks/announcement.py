@@ -12,7 +12,7 @@ from jobs.durable import sync_folder, write_durably
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.store import JobStore
-from schemas.messages import ANONYMOUS, Outcome
+from schemas.messages import Outcome
 from schemas.webhook import JobEvent
 from service.webhooks.endpoint import Endpoint
 from service.webhooks.endpoints import Endpoints
@@ -64,7 +64,7 @@ class Announcer:
 
     def _announce(self, folder: JobFolder, outcome: Outcome, endpoints: list[Endpoint]) -> None:
         try:
-            owner = owner_of_job(folder)
+            owner = folder.owner()
         except JobGone:
             return
         told = [e for e in endpoints if e.owner == owner and e.created_at <= outcome.finished_at]
@@ -82,8 +82,3 @@ class Announcer:
             return  # another process has done the same
         except FileNotFoundError:
             _LOGGER.info("job %s was erased while its end was announced", folder.job_id)
-
-
-def owner_of_job(_folder: JobFolder) -> str:
-    """Whose job it is, and so whose endpoints hear of it. There is no authentication yet."""
-    return ANONYMOUS

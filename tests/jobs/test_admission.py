@@ -10,8 +10,8 @@ from redis import Redis
 
 from jobs import admission as admission_module
 from jobs.admission import Admission, Verdict
-from jobs.records import ANONYMOUS, JobRecords
-from schemas.messages import Idempotency, JobRequest
+from jobs.records import JobRecords
+from schemas.messages import ANONYMOUS, Idempotency, JobRequest
 
 MakeRequest = Callable[[], JobRequest]
 
@@ -86,7 +86,7 @@ def test_an_owner_is_bounded_by_its_unfinished_jobs_and_nobody_elses(
     first, second = make_request(), make_request()
     for request in (first, second):
         assert verdict(admission, request, "a") is Verdict.ADMITTED
-        records.accepted(request, "a")
+        records.accepted(request.model_copy(update={"owner": "a"}))
     records.claim(first.job_id, 60.0, 3)
     assert verdict(admission, make_request(), "a") is Verdict.TOO_MANY_JOBS
     assert verdict(admission, make_request(), "b") is Verdict.ADMITTED
