@@ -51,7 +51,7 @@ def test_the_server_and_the_command_line_write_the_same_meshes(
     server: ServeProcess, submit: Submit, study: dict[str, Any], tmp_path: Path
 ) -> None:
     job = submit(server, FAST)
-    assert job["state"] == "queued"
+    assert job["state"] in ("queued", "running")
     done = follow(server, job["id"], "succeeded")
     listed = httpx.get(f"{server.url}{done['links']['artifacts']}").json()["artifacts"]
     served = {}
