@@ -1,9 +1,9 @@
 """The live state of jobs in Redis: one method a transition, doing all of its effects at once.
 
-A transition watches the job's hash, decides in Python by `JobState.may_become`, and writes hash and
-indices in one MULTI; where another client was faster it decides again. Times are Redis's own, so
-hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow even when
-Redis has lost everything in between.
+A transition watches the job's hash, decides in Python by `JobState.may_become`, and writes hash,
+indices and event in one MULTI; where another client was faster it decides again. Times are Redis's
+own, so hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow
+even when Redis has lost everything in between.
 
 Every method raises redis.exceptions.RedisError when Redis does not answer in time.
 """
@@ -19,6 +19,7 @@ from redis.exceptions import WatchError
 from jobs import transitions
 from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
+from jobs.event_stream import add_event
 from jobs.index import ANY_OWNER, index_key, move_in_index
 from jobs.record import Record
 from jobs.redis_clock import now_us
@@ -60,7 +61,7 @@ class JobRecords:
         ids = cast(list[str], self._redis.zrevrangebylex(key, newest, "-", start=0, num=limit + 1))
         with self._redis.pipeline(transaction=False) as pipe:
             for job_id in ids[:limit]:
-                pipe.hgetall(_key(job_id))
+                pipe.hgetall(record_key(job_id))
             found = zip(ids[:limit], pipe.execute(), strict=True)
         jobs = [Record.of_fields(job_id, fields).job() for job_id, fields in found if fields]
         return JobPage(
@@ -116,7 +117,7 @@ class JobRecords:
 
     def is_cancel_requested(self, job_id: str) -> bool:
         """Whether the job is being cancelled. False for an unknown one: `renew` says that."""
-        state = self._redis.hget(_key(job_id), "state")
+        state = self._redis.hget(record_key(job_id), "state")
         return state in (JobState.CANCELLING.value, JobState.CANCELLED.value)
 
     def request_cancel(self, job_id: str) -> JobState | None:
@@ -186,7 +187,7 @@ class JobRecords:
         `step` sees the record and the Redis clock. It is asked again where another client changed
         the record meanwhile.
         """
-        key = _key(job_id)
+        key = record_key(job_id)
         with self._redis.pipeline() as pipe:
             while True:
                 cast(Any, pipe).watch(key)  # redis-py gives it no types
@@ -196,6 +197,7 @@ class JobRecords:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                add_event(pipe, before, after)
                 if after is None:
                     pipe.delete(key)
                 else:
@@ -207,10 +209,11 @@ class JobRecords:
                 return after
 
 
-def _key(job_id: str) -> str:
+def record_key(job_id: str) -> str:
+    """Where a job's record is."""
     return f"neuralmri:job:{job_id}"
 
 
 def _read(redis: Redis | Pipeline, job_id: str) -> Record | None:
-    fields = cast(dict[str, str], redis.hgetall(_key(job_id)))
+    fields = cast(dict[str, str], redis.hgetall(record_key(job_id)))
     return Record.of_fields(job_id, fields) if fields else None
