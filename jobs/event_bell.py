@@ -17,6 +17,7 @@ from redis.asyncio import Redis
 from redis.exceptions import ConnectionError as RedisConnectionError
 from redis.exceptions import RedisError
 
+from jobs.cancelled_tasks import end_tasks
 from jobs.event_stream import EVENT_CHANNEL
 
 _LOGGER = logging.getLogger(__name__)
@@ -63,11 +64,8 @@ class EventBell:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        # Cancelled more than once, since the client loses a cancellation that comes in the instant
-        # in which it stops waiting for a message.
-        while self._task is not None and not self._task.done():
-            self._task.cancel()
-            await asyncio.wait([self._task], timeout=0.1)
+        if self._task is not None:
+            await end_tasks(self._task)
 
     @contextmanager
     def waiter(self, job_id: str) -> Iterator[Waiter]:

@@ -5,6 +5,7 @@ from typing import Any
 from fastapi import Response
 
 from schemas.job import Job
+from service.held_answer import PREFERENCE_APPLIED
 from service.settings import ServiceSettings
 
 ACCEPTED: dict[int | str, dict[str, Any]] = {
@@ -16,6 +17,7 @@ ACCEPTED: dict[int | str, dict[str, Any]] = {
                 "description": "Seconds to wait before the first poll.",
                 "schema": {"type": "integer", "minimum": 1},
             },
+            **PREFERENCE_APPLIED,
         },
     }
 }

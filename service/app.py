@@ -8,11 +8,12 @@ from fastapi import FastAPI
 from service.access import JobAccess
 from service.body_limit import BodyLimit
 from service.description import DescribedApi
+from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
 from service.response_headers import ResponseHeaders
-from service.routes import artifacts, health, jobs, submit_contours, submit_labels
+from service.routes import artifacts, events, health, jobs, submit_contours, submit_labels
 from service.settings import ServiceSettings
 
 
@@ -26,9 +27,10 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     access = JobAccess.of_settings(settings)
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        with Reconciler(access):
-            yield
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with Listening(settings) as app.state.listening:
+            with Reconciler(access):
+                yield
 
     app = DescribedApi(
         title="neuralmri",
@@ -39,7 +41,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.access = access
     install_problem_handlers(app, settings)
-    for part in (submit_contours, submit_labels, jobs, artifacts, health):
+    for part in (submit_contours, submit_labels, jobs, events, artifacts, health):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))

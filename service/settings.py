@@ -18,3 +18,15 @@ class ServiceSettings(LimitSettings, JobSettings):
     retry_after_s: int = Field(
         default=10, ge=1, le=3600, description="What `Retry-After` tells a caller we had to fail."
     )
+    max_listeners: int = Field(
+        default=200,
+        ge=1,
+        le=10_000,
+        description="Event streams and held answers at a time, in one process.",
+    )
+    event_heartbeat_s: float = Field(
+        default=15.0, gt=0.0, le=300.0, description="How long an event stream may be silent."
+    )
+    max_wait_s: int = Field(
+        default=60, ge=0, le=3600, description="The longest `Prefer: wait` that is granted."
+    )

@@ -17,6 +17,7 @@ from service.documented import problems
 from service.examples import CONTOUR_REQUEST
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
+from service.held_answer import Answer
 from service.media_type import require_media_type
 
 router = APIRouter(tags=["submit"])
@@ -51,15 +52,17 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/contours",
     status_code=202,
+    response_model=Job,
     responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_contours(
-    upload: Annotated[FormUpload, Depends(_upload)],
+    upload: Annotated[FormUpload, Depends(_upload, scope="function")],
     access: Access,
     owner: Owner,
     response: Response,
-) -> Job:
+    answer: Answer,
+) -> Job | Response:
     """Reconstruct surfaces from contours.
 
     The study is judged before it is accepted; what is wrong with it is named by a JSON pointer.
@@ -80,4 +83,4 @@ def submit_contours(
     inputs = {references[surface]: file for surface, file in upload.references.items()}
     job = submit(access.store, access.records, access.queue, request, inputs, owner)
     announce(job, response, access.settings)
-    return job
+    return answer(job, response, 202)

@@ -20,6 +20,7 @@ from service.access import Access, Owner
 from service.documented import problems
 from service.form_description import form_content
 from service.form_upload import FORM, FormUpload, received_form
+from service.held_answer import Answer
 from service.media_type import require_media_type
 
 router = APIRouter(tags=["submit"])
@@ -49,15 +50,17 @@ async def _upload(request: Request, access: Access) -> AsyncIterator[FormUpload]
 @router.post(
     "/v1/jobs/labels",
     status_code=202,
+    response_model=Job,
     responses={**ACCEPTED, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
 def submit_labels(
-    upload: Annotated[FormUpload, Depends(_upload)],
+    upload: Annotated[FormUpload, Depends(_upload, scope="function")],
     access: Access,
     owner: Owner,
     response: Response,
-) -> Job:
+    answer: Answer,
+) -> Job | Response:
     """Reconstruct surfaces from NIfTI label maps (.nii or .nii.gz), one file a view.
 
     The headers are judged, and the data counted, before the job is accepted; voxels are read by
@@ -86,4 +89,4 @@ def submit_labels(
     }
     job = submit(access.store, access.records, access.queue, request, inputs, owner)
     announce(job, response, access.settings)
-    return job
+    return answer(job, response, 202)
