@@ -1,8 +1,9 @@
 """A client of the HTTP interface. A lost connection is no verdict on a job."""
 
 import hashlib
+import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -11,16 +12,22 @@ from typing import Any, Self, TypeVar
 import httpx
 from pydantic import ValidationError
 
+from cli.event_source import read_events
 from cli.inputs import ContourInput, LabelInput
-from cli.server_errors import document_of, refusal_of
+from cli.server_errors import ConnectionLostError, document_of, refusal_of
 from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.base import WireModel
+from schemas.event import EVENT_STREAM, EventKind, JobEvent
 from schemas.job import Job, Progress
 from schemas.problem import InputError, InternalError, ProblemType
 from schemas.report import Report
 
 M = TypeVar("M", bound=WireModel)
 
+_DATA: dict[str, type[Job] | type[Progress]] = {
+    EventKind.STATE: Job,
+    EventKind.PROGRESS: Progress,
+}
 _TIMEOUT = httpx.Timeout(10.0, read=60.0, write=60.0)
 _POLL_EVERY_S = 0.5
 _PATIENCE_S = 300.0
@@ -31,7 +38,7 @@ class Client:
 
     def __init__(self, server: str, patience_s: float = _PATIENCE_S) -> None:
         self.server = server.rstrip("/")
-        self._patience_s = patience_s
+        self.patience_s = patience_s
         # Environment proxies are for the outside; a local server is not reached through them.
         local = _parsed(self.server).host in ("127.0.0.1", "localhost", "::1")
         self._http = httpx.Client(base_url=self.server, timeout=_TIMEOUT, trust_env=not local)
@@ -67,8 +74,36 @@ class Client:
     def cancel(self, job_id: str) -> Job:
         return _fitting(Job, self._call("POST", f"/v1/jobs/{job_id}/cancel"))
 
+    def events(self, job_id: str, last_event_id: str = "") -> Iterator[JobEvent]:
+        """The job's events after one, from one connection, to where it ends; see cli/following.py.
+
+        Raises ConnectionLostError where it breaks off. Kinds that are not known are left out.
+        """
+        headers = {"Accept": EVENT_STREAM}
+        if last_event_id:
+            headers["Last-Event-ID"] = last_event_id
+        try:
+            with self._http.stream("GET", f"/v1/jobs/{job_id}/events", headers=headers) as response:
+                if response.status_code == httpx.codes.NO_CONTENT:
+                    return
+                media_type = response.headers.get("content-type", "").partition(";")[0]
+                if not response.is_success or media_type != EVENT_STREAM:
+                    response.read()
+                    raise refusal_of(response)
+                for sent in read_events(response.iter_bytes(), last_event_id):
+                    if sent.event in _DATA:
+                        data = _fitting(_DATA[sent.event], _json_of(sent.data))
+                        kind = EventKind(sent.event)
+                        yield JobEvent(id=sent.last_event_id or None, event=kind, data=data)
+        except httpx.TransportError as error:
+            raise self._unreachable(error) from error
+
     def wait(self, job_id: str, watch: Callable[[Progress], None]) -> Job:
-        """Poll until the job has ended, and return it.
+        """Poll until the job has ended, tell its progress, and return it. Raises as `poll`."""
+        return self.poll(job_id, lambda job: watch(job.progress))
+
+    def poll(self, job_id: str, watch: Callable[[Job], None]) -> Job:
+        """Ask for the job until it has ended, and return it.
 
         A server that cannot be reached or fails is asked again for minutes. Raises InternalError
         when that does not help; the job may go on all the same.
@@ -79,18 +114,22 @@ class Client:
                 job = self.job(job_id)
             except InternalError as error:
                 silent_since_s = silent_since_s or time.monotonic()
-                if time.monotonic() - silent_since_s > self._patience_s:
-                    raise InternalError(
-                        ProblemType.UNAVAILABLE,
-                        f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
-                        f"look at {self.server}/v1/jobs/{job_id} later",
-                    ) from error
+                if time.monotonic() - silent_since_s > self.patience_s:
+                    raise self.cannot_follow(job_id, error) from error
             else:
                 silent_since_s = None
-                watch(job.progress)
+                watch(job)
                 if job.state.is_terminal:
                     return job
             time.sleep(_POLL_EVERY_S)
+
+    def cannot_follow(self, job_id: str, error: InternalError) -> InternalError:
+        """What to raise when the server has failed for longer than `patience_s`."""
+        return InternalError(
+            ProblemType.UNAVAILABLE,
+            f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
+            f"look at {self.server}/v1/jobs/{job_id} later",
+        )
 
     def report(self, job_id: str) -> Report:
         return _fitting(Report, self._call("GET", f"/v1/jobs/{job_id}/report"))
@@ -140,12 +179,13 @@ class Client:
             raise refusal_of(response)
         return document_of(response)
 
-    def _unreachable(self, error: httpx.TransportError) -> InternalError:
-        return InternalError(
+    def _unreachable(self, error: httpx.TransportError) -> ConnectionLostError:
+        return ConnectionLostError(
             ProblemType.UNAVAILABLE,
             f"the server at {self.server} does not answer ({error}); start one with "
             "`neuralmri serve`, or name another with --server",
             status=503,
+            is_silence=isinstance(error, httpx.ReadTimeout),
         )
 
 
@@ -165,6 +205,15 @@ def _parsed(server: str) -> httpx.URL:
         raise InputError(
             ProblemType.INVALID_REQUEST,
             f"{server!r} is no address ({error}); give one like http://127.0.0.1:8000",
+        ) from error
+
+
+def _json_of(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InternalError(
+            ProblemType.INTERNAL, "an event of the server is not JSON; is it a neuralmri server?"
         ) from error
 
 

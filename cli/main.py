@@ -13,15 +13,14 @@ from cli.ablate import ablate
 from cli.console import complain
 from cli.demo import demo
 from cli.evaluate import evaluate
+from cli.exit_code import exit_code
 from cli.phantom import phantom
 from cli.reconstruct import reconstruct
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
+from cli.watch import watch
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
-
-EXIT_OUR_FAULT = 1
-EXIT_BAD_INPUT = 2
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
@@ -35,6 +34,7 @@ app = typer.Typer(
 app.command()(serve)
 app.command()(reconstruct)
 app.command()(submit)
+app.command()(watch)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)
@@ -58,7 +58,7 @@ def main() -> None:
 
 def _fail(error: ServiceError) -> NoReturn:
     complain(error, as_json="--json" in sys.argv)
-    sys.exit(EXIT_BAD_INPUT if isinstance(error, InputError) else EXIT_OUR_FAULT)
+    sys.exit(exit_code(error))
 
 
 def _of_file(error: OSError) -> ServiceError:

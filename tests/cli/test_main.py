@@ -50,7 +50,17 @@ def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
 def test_help_names_every_subcommand_and_loads_no_science() -> None:
     ended = run("--help")
     assert ended.returncode == 0
-    commands = "serve", "reconstruct", "submit", "evaluate", "ablate", "slice", "phantom", "demo"
+    commands = (
+        "serve",
+        "reconstruct",
+        "submit",
+        "watch",
+        "evaluate",
+        "ablate",
+        "slice",
+        "phantom",
+        "demo",
+    )
     for name in commands:
         assert name in ended.stdout
     code = "import cli.main, sys; print(*sys.modules)"
