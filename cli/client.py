@@ -1,8 +1,9 @@
 """A client of the HTTP interface. A lost connection is no verdict on a job."""
 
+import json
 import time
 import uuid
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -13,12 +14,14 @@ from urllib.parse import quote
 import httpx
 from pydantic import ValidationError
 
+from cli.event_source import read_events
 from cli.inputs import ContourInput, LabelInput
 from cli.retrying import PASSING, TryAgain, persistently, retry_after_s
-from cli.server_errors import document_of, refusal_of
+from cli.server_errors import ConnectionLostError, document_of, refusal_of
 from cli.transfer import fetch
 from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.base import WireModel
+from schemas.event import EVENT_STREAM, EventKind, JobEvent
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 from schemas.report import Report
@@ -29,6 +32,10 @@ T = TypeVar("T")
 _CONTOURS = "/v1/jobs/contours"
 _LABELS = "/v1/jobs/labels"
 
+_DATA: dict[str, type[Job] | type[Progress]] = {
+    EventKind.STATE: Job,
+    EventKind.PROGRESS: Progress,
+}
 _TIMEOUT = httpx.Timeout(10.0, read=60.0, write=60.0)
 _POLL_EVERY_S = 0.5
 _PATIENCE_S = 300.0
@@ -52,7 +59,7 @@ class Client:
         tell: Callable[[str], None] = lambda _: None,
     ) -> None:
         self.server = server.rstrip("/")
-        self._patience_s = patience_s
+        self.patience_s = patience_s
         self._retry_within_s = retry_within_s
         self._tell = tell
         # Environment proxies are for the outside; a local server is not reached through them.
@@ -113,8 +120,36 @@ class Client:
         """Remove a job with all it holds. One that is gone already is no error."""
         self._again(lambda: self._response("DELETE", _address(job_id)))
 
+    def events(self, job_id: str, last_event_id: str = "") -> Iterator[JobEvent]:
+        """The job's events after one, from one connection, to where it ends; see cli/following.py.
+
+        Raises ConnectionLostError where it breaks off. Kinds that are not known are left out.
+        """
+        headers = {"Accept": EVENT_STREAM}
+        if last_event_id:
+            headers["Last-Event-ID"] = last_event_id
+        try:
+            with self._http.stream("GET", f"/v1/jobs/{job_id}/events", headers=headers) as response:
+                if response.status_code == httpx.codes.NO_CONTENT:
+                    return
+                media_type = response.headers.get("content-type", "").partition(";")[0]
+                if not response.is_success or media_type != EVENT_STREAM:
+                    response.read()
+                    raise refusal_of(response)
+                for sent in read_events(response.iter_bytes(), last_event_id):
+                    if sent.event in _DATA:
+                        data = _fitting(_DATA[sent.event], _json_of(sent.data))
+                        kind = EventKind(sent.event)
+                        yield JobEvent(id=sent.last_event_id or None, event=kind, data=data)
+        except httpx.TransportError as error:
+            raise self._unreachable(error) from error
+
     def wait(self, job_id: str, watch: Callable[[Progress], None]) -> Job:
-        """Poll until the job has ended, and return it.
+        """Poll until the job has ended, tell its progress, and return it. Raises as `poll`."""
+        return self.poll(job_id, lambda job: watch(job.progress))
+
+    def poll(self, job_id: str, watch: Callable[[Job], None]) -> Job:
+        """Ask for the job until it has ended, and return it.
 
         A server that cannot be reached or fails is asked again for minutes. Raises InternalError
         when that does not help; the job may go on all the same.
@@ -128,18 +163,22 @@ class Client:
                 pause_s = max(pause_s, getattr(raised, "after_s", None) or 0.0)
                 error = raised.error if isinstance(raised, TryAgain) else raised
                 silent_since_s = silent_since_s or time.monotonic()
-                if time.monotonic() - silent_since_s > self._patience_s:
-                    raise InternalError(
-                        ProblemType.UNAVAILABLE,
-                        f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
-                        f"look at {self.server}/v1/jobs/{job_id} later",
-                    ) from raised
+                if time.monotonic() - silent_since_s > self.patience_s:
+                    raise self.cannot_follow(job_id, error) from raised
             else:
                 silent_since_s = None
-                watch(job.progress)
+                watch(job)
                 if job.state.is_terminal:
                     return job
             time.sleep(pause_s)
+
+    def cannot_follow(self, job_id: str, error: ServiceError) -> InternalError:
+        """What to raise when the server has failed for longer than `patience_s`."""
+        return InternalError(
+            ProblemType.UNAVAILABLE,
+            f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
+            f"look at {self.server}/v1/jobs/{job_id} later",
+        )
 
     def report(self, job_id: str) -> Report:
         return _fitting(Report, self._call("GET", f"{_address(job_id)}/report"))
@@ -199,12 +238,13 @@ class Client:
             raise _refused(response)
         return response
 
-    def _unreachable(self, error: httpx.TransportError) -> InternalError:
-        return InternalError(
+    def _unreachable(self, error: httpx.TransportError) -> ConnectionLostError:
+        return ConnectionLostError(
             ProblemType.UNAVAILABLE,
             f"the server at {self.server} does not answer ({error}); start one with "
             "`neuralmri serve`, or name another with --server",
             status=503,
+            is_silence=isinstance(error, httpx.ReadTimeout),
         )
 
 
@@ -254,6 +294,15 @@ def _no_address(server: str, error: Exception) -> InputError:
         ProblemType.INVALID_REQUEST,
         f"{server!r} is no address ({error}); give one like http://127.0.0.1:8000",
     )
+
+
+def _json_of(text: str) -> Any:
+    try:
+        return json.loads(text)
+    except json.JSONDecodeError as error:
+        raise InternalError(
+            ProblemType.INTERNAL, "an event of the server is not JSON; is it a neuralmri server?"
+        ) from error
 
 
 def _fitting(model: type[M], document: Any) -> M:

@@ -16,6 +16,7 @@ from cli.demo import demo
 from cli.download import download
 from cli.erase import erase
 from cli.evaluate import evaluate
+from cli.exit_code import exit_code
 from cli.keys import keys
 from cli.list_jobs import list_jobs
 from cli.phantom import phantom
@@ -23,10 +24,8 @@ from cli.reconstruct import reconstruct
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
+from cli.watch import watch
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
-
-EXIT_OUR_FAULT = 1
-EXIT_BAD_INPUT = 2
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
 
@@ -43,6 +42,7 @@ app.command("list")(list_jobs)
 app.command()(cancel)
 app.command()(erase)
 app.command()(download)
+app.command()(watch)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)
@@ -67,7 +67,7 @@ def main() -> None:
 
 def _fail(error: ServiceError) -> NoReturn:
     complain(error, as_json="--json" in sys.argv)
-    sys.exit(EXIT_BAD_INPUT if isinstance(error, InputError) else EXIT_OUR_FAULT)
+    sys.exit(exit_code(error))
 
 
 def _of_file(error: OSError) -> ServiceError:

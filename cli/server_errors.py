@@ -10,6 +10,19 @@ from schemas.job import Job, JobState
 from schemas.problem import Fault, InputError, InternalError, Problem, ProblemType, ServiceError
 
 
+class ConnectionLostError(InternalError):
+    """The server was not reached, or its answer broke off. This says nothing about a job.
+
+    is_silence: the connection was there, and nothing came for too long.
+    """
+
+    def __init__(
+        self, type_: ProblemType, detail: str, *, status: int, is_silence: bool = False
+    ) -> None:
+        super().__init__(type_, detail, status=status)
+        self.is_silence = is_silence
+
+
 def ended_badly(job: Job) -> ServiceError | None:
     """The error that a job's end means for who waited for it; None for success."""
     if job.state is JobState.SUCCEEDED:

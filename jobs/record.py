@@ -130,6 +130,7 @@ class Record:
             links=Links(
                 self=here,
                 cancel=f"{here}/cancel",
+                events=f"{here}/events",
                 report=f"{here}/report",
                 artifacts=f"{here}/artifacts",
             ),

@@ -1,9 +1,9 @@
 """The live state of jobs in Redis: one method a transition, doing all of its effects at once.
 
-A transition watches the job's hash, decides in Python by `JobState.may_become`, and writes hash and
-indices in one MULTI; where another client was faster it decides again. Times are Redis's own, so
-hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow even when
-Redis has lost everything in between.
+A transition watches the job's hash, decides in Python by `JobState.may_become`, and writes hash,
+indices and event in one MULTI; where another client was faster it decides again. Times are Redis's
+own, so hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow
+even when Redis has lost everything in between.
 
 Every method raises redis.exceptions.RedisError when Redis does not answer in time.
 """
@@ -20,6 +20,7 @@ from jobs import transitions
 from jobs.admission import give_up_place
 from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
+from jobs.event_stream import add_event
 from jobs.idempotency_keys import Wholeness, move_key
 from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
 from jobs.record import Record
@@ -202,6 +203,7 @@ class JobRecords:
                 give_up_place(pipe, before, after)
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)
+                add_event(pipe, before, after)
                 if after is None:
                     pipe.delete(key)
                 else:

@@ -85,6 +85,7 @@ class Links(WireModel):
 
     self: str
     cancel: str
+    events: str | None = None
     report: str
     artifacts: str
 

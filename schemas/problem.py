@@ -29,6 +29,7 @@ class ProblemType(StrEnum):
     MISSING_SCOPE = "missing-scope"
     NOT_FOUND = "not-found"
     METHOD_NOT_ALLOWED = "method-not-allowed"
+    NOT_ACCEPTABLE = "not-acceptable"
     UNSUPPORTED_MEDIA_TYPE = "unsupported-media-type"
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"

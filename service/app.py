@@ -14,12 +14,14 @@ from service.body_limit import BodyLimit
 from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
 from service.keys.gate import Gate
+from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
 from service.response_headers import ResponseHeaders
 from service.routes import (
     artifacts,
+    events,
     health,
     jobs,
     options,
@@ -48,9 +50,10 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     desk = WebhookDesk.of_settings(settings)
 
     @asynccontextmanager
-    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
-        with Reconciler(access), Dispatcher(access, desk):
-            yield
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with Listening(settings) as app.state.listening:
+            with Reconciler(access), Dispatcher(access, desk):
+                yield
 
     app = DescribedApi(
         title="neuralmri",
@@ -71,6 +74,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         validate,
         options,
         jobs,
+        events,
         restart,
         artifacts,
         webhooks,

@@ -44,7 +44,7 @@ async def _received(request: Request, access: Access) -> AsyncIterator[FormUploa
         yield upload
 
 
-ContourUpload = Annotated[FormUpload, Depends(_received)]
+ContourUpload = Annotated[FormUpload, Depends(_received, scope="function")]
 
 
 @dataclass(frozen=True)

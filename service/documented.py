@@ -35,6 +35,14 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
         "There is no such job, artifact or webhook.",
         InputError(ProblemType.NOT_FOUND, "there is no such job.", status=404),
     ),
+    406: (
+        "Accept excludes the only media type that there is.",
+        InputError(
+            ProblemType.NOT_ACCEPTABLE,
+            "Accept excludes text/event-stream. Remedy: send Accept: text/event-stream.",
+            status=406,
+        ),
+    ),
     409: (
         "The job has no results, not yet (with Retry-After) or never; the webhook is disabled.",
         InputError(

@@ -40,7 +40,7 @@ async def _received(request: Request, access: Access) -> AsyncIterator[FormUploa
         yield upload
 
 
-LabelUpload = Annotated[FormUpload, Depends(_received)]
+LabelUpload = Annotated[FormUpload, Depends(_received, scope="function")]
 
 
 @dataclass(frozen=True)

@@ -57,3 +57,16 @@ class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
     def origins(self) -> tuple[str, ...]:
         """`cors_origins`, one by one."""
         return parse_origins(self.cors_origins)
+
+    max_listeners: int = Field(
+        default=200,
+        ge=1,
+        le=10_000,
+        description="Event streams and held answers at a time, in one process.",
+    )
+    event_heartbeat_s: float = Field(
+        default=15.0, gt=0.0, le=300.0, description="How long an event stream may be silent."
+    )
+    max_wait_s: int = Field(
+        default=60, ge=0, le=3600, description="The longest `Prefer: wait` that is granted."
+    )

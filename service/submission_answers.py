@@ -4,6 +4,7 @@ from typing import Any
 
 from schemas.problem import InputError, ProblemType
 from service.documented import described_problem
+from service.held_answer import PREFERENCE_APPLIED
 from service.refusals import key_pending
 
 SUBMISSION: dict[int | str, dict[str, Any]] = {
@@ -20,6 +21,7 @@ SUBMISSION: dict[int | str, dict[str, Any]] = {
                 "description": "`true` where the job was made by the same request before.",
                 "schema": {"type": "string", "const": "true"},
             },
+            **PREFERENCE_APPLIED,
         },
     },
     409: described_problem(

@@ -33,8 +33,8 @@ class StopReason(StrEnum):
 class JobObserver:
     """Watches one attempt. `stop_reason` says why it told the computation to stop, if it did.
 
-    Redis is told at most four times a second and asked at most every 0.3 s; when it fails, the
-    computation goes on unwatched for a while.
+    Redis is told at most four times a second, of each stage its first and last word besides, and
+    asked at most every 0.3 s; when it fails, the computation goes on unwatched for a while.
     """
 
     def __init__(
@@ -48,17 +48,24 @@ class JobObserver:
         self._tell_at_s = 0.0
         self._ask_at_s = 0.0
         self._stage: Stage | None = None
+        self._untold: Progress | None = None
 
     def advanced(self, progress: Progress) -> None:
         now_s = time.monotonic()
-        if self._lease.is_lost or (now_s < self._tell_at_s and progress.stage is self._stage):
+        if self._lease.is_lost:
             return
+        progress = self._with_eta(progress, now_s)
+        is_new_stage = progress.stage is not self._stage
+        if now_s < self._tell_at_s and not is_new_stage:
+            self._untold = progress
+            return
+        last_of_stage = self._untold if is_new_stage else None
+        self._untold = None
         self._tell_at_s = now_s + _TELL_EVERY_S
         self._stage = progress.stage
         try:
-            self._records.advanced(
-                self._lease.job_id, self._lease.token, self._with_eta(progress, now_s)
-            )
+            for told in filter(None, (last_of_stage, progress)):
+                self._records.advanced(self._lease.job_id, self._lease.token, told)
         except StaleToken:
             self._lease.lose()
         except RedisError as error:

@@ -9,6 +9,7 @@ from jobs.store import JOB_ID_PATTERN
 from schemas.job import Job, JobPage, JobState
 from service.access import Access
 from service.documented import problems
+from service.held_answer import PREFERENCE_APPLIED, Answer
 
 router = APIRouter(tags=["jobs"])
 
@@ -37,14 +38,15 @@ def list_jobs(
 
 @router.get(
     "/v1/jobs/{job_id}",
-    responses={200: {"headers": _RETRY_AFTER}, **problems(404, 503)},
+    response_model=Job,
+    responses={200: {"headers": _RETRY_AFTER | PREFERENCE_APPLIED}, **problems(404, 503)},
 )
-def get_job(job_id: str, access: Access, response: Response) -> Job:
+def get_job(job_id: str, access: Access, response: Response, answer: Answer) -> Job | Response:
     """How a job stands. Poll until `state` is cancelled, succeeded or failed."""
     job = access.job(job_id)
     if not job.state.is_terminal:
         response.headers["Retry-After"] = str(access.settings.poll_after_s)
-    return job
+    return answer(job, response, 200)
 
 
 @router.post(

@@ -10,6 +10,7 @@ from service.acceptance import accept
 from service.access import Access, Owner
 from service.contour_submission import CONTOUR_BODY, ContourUpload, judge_contours
 from service.documented import problems
+from service.held_answer import Answer
 from service.submission_answers import SUBMISSION
 from service.submission_terms import Terms
 
@@ -19,6 +20,7 @@ router = APIRouter(tags=["submit"])
 @router.post(
     "/v1/jobs/contours",
     status_code=202,
+    response_model=Job,
     responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=CONTOUR_BODY,
 )
@@ -28,7 +30,8 @@ def submit_contours(
     owner: Owner,
     terms: Terms,
     response: Response,
-) -> Job:
+    answer: Answer,
+) -> Job | Response:
     """Reconstruct surfaces from contours.
 
     The study is judged before it is accepted; what is wrong with it is named by a JSON pointer.
@@ -46,4 +49,4 @@ def submit_contours(
         references=judged.references,
     )
     inputs = {judged.references[surface]: file for surface, file in upload.references.items()}
-    return accept(access, request, inputs, owner, response)
+    return answer(accept(access, request, inputs, owner, response), response, 202)

@@ -10,6 +10,7 @@ from schemas.messages import JobRequest
 from service.acceptance import accept
 from service.access import Access, Owner
 from service.documented import problems
+from service.held_answer import Answer
 from service.label_submission import LABEL_BODY, LabelUpload, judge_labels
 from service.submission_answers import SUBMISSION
 from service.submission_terms import Terms
@@ -20,6 +21,7 @@ router = APIRouter(tags=["submit"])
 @router.post(
     "/v1/jobs/labels",
     status_code=202,
+    response_model=Job,
     responses={**SUBMISSION, **problems(400, 413, 415, 422, 503, 507)},
     openapi_extra=LABEL_BODY,
 )
@@ -29,7 +31,8 @@ def submit_labels(
     owner: Owner,
     terms: Terms,
     response: Response,
-) -> Job:
+    answer: Answer,
+) -> Job | Response:
     """Reconstruct surfaces from NIfTI label maps (.nii or .nii.gz), one file a view.
 
     The headers are judged, and the data counted, before the job is accepted; voxels are read by
@@ -55,4 +58,4 @@ def submit_labels(
         **{names[view]: file for view, file in judged.maps.items()},
         **{judged.references[surface]: file for surface, file in upload.references.items()},
     }
-    return accept(access, request, inputs, owner, response)
+    return answer(accept(access, request, inputs, owner, response), response, 202)

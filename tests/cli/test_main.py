@@ -51,7 +51,7 @@ def test_help_names_every_subcommand_and_loads_no_science() -> None:
     ended = run("--help")
     assert ended.returncode == 0
     commands = "serve", "reconstruct", "submit", "evaluate", "ablate", "slice", "phantom", "demo"
-    for name in (*commands, "keys", "list", "cancel", "erase", "download"):
+    for name in (*commands, "keys", "list", "cancel", "erase", "download", "watch"):
         assert name in ended.stdout
     code = "import cli.main, sys; print(*sys.modules)"
     loaded = subprocess.run(

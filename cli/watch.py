@@ -1,0 +1,56 @@
+"""`neuralmri watch`: follow a job that a server has."""
+
+from typing import Annotated
+
+import typer
+
+from cli.console import say
+from cli.exit_code import exit_code
+from schemas.event import JobEvent
+from schemas.job import Job
+from schemas.problem import ServiceError
+
+
+def watch(
+    job_id: Annotated[str, typer.Argument(metavar="JOB", help="The id of the job.")],
+    server: Annotated[
+        str, typer.Option(envvar="NEURALMRI_URL", help="Where the service is.")
+    ] = "http://127.0.0.1:8000",
+    as_json: Annotated[
+        bool, typer.Option("--json", help="Print one line of JSON for each event.")
+    ] = False,
+) -> None:
+    """Follow a job to its end, and show how far it is.
+
+    Lost connections are made anew. Exit code as of `submit --wait`.
+    """
+    from cli.client import Client
+    from cli.following import follow
+    from cli.progress import progress_bar
+    from cli.server_errors import ended_badly
+    from cli.summary import print_summary
+
+    with Client(server) as client:
+        try:
+            with progress_bar(job_id[:8], quiet=as_json) as bar:
+
+                def tell(event: JobEvent) -> None:
+                    if as_json:
+                        say(event.model_dump_json())
+                    else:
+                        data = event.data
+                        bar.advanced(data.progress if isinstance(data, Job) else data)
+
+                job = follow(client, job_id, tell)
+        except ServiceError as error:
+            if not as_json:
+                raise
+            say(error.problem().model_dump_json(exclude_none=True))
+            raise typer.Exit(exit_code(error)) from error
+        failure = ended_badly(job)
+        if failure is not None:
+            if not as_json:
+                raise failure
+            raise typer.Exit(exit_code(failure))  # the last event holds the error
+        if not as_json:
+            print_summary(client.report(job.id))
