@@ -41,6 +41,7 @@ class JobQueue:
             self._app.send_task(
                 RECONSTRUCT_TASK,
                 kwargs=message.as_kwargs(),
+                headers=message.as_headers(),
                 task_id=message.job_id,
                 queue=RECONSTRUCT_QUEUE,
                 retry=False,

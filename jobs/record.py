@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
 from jobs.errors import IllegalTransition
+from jobs.trace_context import TraceContext
 from schemas.job import Job, JobKind, JobState, Links, Progress, Stage
 from schemas.messages import JobRequest, Outcome
 from schemas.problem import Problem
@@ -31,6 +32,7 @@ class Record:
     error: Problem | None = None
     token: int = 0
     free_from_us: int = 0
+    traceparent: str | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
@@ -41,6 +43,7 @@ class Record:
             state=JobState.QUEUED,
             created_at=request.created_at,
             free_from_us=now_us,
+            traceparent=request.traceparent,
         )
 
     @classmethod
@@ -58,6 +61,7 @@ class Record:
             error=Problem.model_validate_json(fields["error"]) if fields["error"] else None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
+            traceparent=fields.get("traceparent") or None,
         )
 
     def fields(self) -> dict[str, str]:
@@ -73,6 +77,7 @@ class Record:
             "error": self.error.model_dump_json() if self.error else "",
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
+            "traceparent": self.traceparent or "",
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -102,6 +107,7 @@ class Record:
     def job(self) -> Job:
         """The job as its caller sees it."""
         here = f"/v1/jobs/{self.job_id}"
+        trace = TraceContext.parsed(self.traceparent)
         return Job(
             id=self.job_id,
             kind=self.kind,
@@ -112,6 +118,7 @@ class Record:
             finished_at=self.finished_at,
             attempt=self.attempt,
             error=self.error,
+            trace_id=trace.trace_id if trace else None,
             links=Links(
                 self=here,
                 cancel=f"{here}/cancel",

@@ -100,6 +100,7 @@ class JobRecords:
             attempt=record.attempt if record else 0,
             started_at=record.started_at if record else None,
             refusal=why,
+            traceparent=record.traceparent if record else None,
         )
 
     def renew(self, job_id: str, token: int, lease_s: float) -> bool:

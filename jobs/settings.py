@@ -6,6 +6,8 @@ from typing import Self
 from pydantic import Field, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from jobs.logs import LogFormat
+
 
 class JobSettings(BaseSettings):
     """Where jobs are kept and how long anything about them may take. Read once a process."""
@@ -31,6 +33,10 @@ class JobSettings(BaseSettings):
     reconcile_every_s: float = Field(default=60.0, gt=0.0)
     worker_alive_s: float = Field(
         default=30.0, gt=0.0, description="How old a live worker's last heartbeat may be."
+    )
+
+    log_format: LogFormat = Field(
+        default=LogFormat.TEXT, description="json for machines, text for people."
     )
 
     @property

@@ -94,6 +94,9 @@ class Job(WireModel):
     finished_at: datetime | None = None
     attempt: int = Field(default=0, ge=0, description="How often a worker has started it.")
     error: Problem | None = None
+    trace_id: str | None = Field(
+        default=None, description="Of the request that brought it: what the logs have it under."
+    )
     links: Links
 
 

@@ -39,6 +39,9 @@ class JobRequest(WireModel):
     labels: LabelRequest | None = None
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
+    traceparent: str | None = Field(
+        default=None, description="W3C trace context of the request that brought the job."
+    )
 
 
 class Outcome(WireModel):
@@ -52,9 +55,13 @@ class Outcome(WireModel):
 
 
 class ReconstructMessage(WireModel):
-    """What the queue carries: a name, never the data."""
+    """What the queue carries: a name, never the data. The trace goes in the message's headers."""
 
     job_id: str
+    traceparent: str | None = None
 
     def as_kwargs(self) -> dict[str, Any]:
-        return self.model_dump(mode="json")
+        return self.model_dump(mode="json", include={"job_id"})
+
+    def as_headers(self) -> dict[str, str]:
+        return {"traceparent": self.traceparent} if self.traceparent else {}

@@ -81,6 +81,9 @@ class Problem(WireModel):
     instance: str | None = None
     pointer: str | None = Field(default=None, description="JSON pointer to the offending part.")
     errors: list[ProblemPart] = Field(default_factory=list)
+    trace_id: str | None = Field(
+        default=None, description="Under which the service's log has the request."
+    )
 
 
 class ServiceError(Exception):

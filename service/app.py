@@ -11,6 +11,7 @@ from service.description import DescribedApi
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
+from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
 from service.routes import artifacts, health, jobs, submit_contours, submit_labels
 from service.settings import ServiceSettings
@@ -48,4 +49,5 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
+    app.add_middleware(RequestLog)
     return app

@@ -13,8 +13,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.access import JobAccess
 from service.documented import problems
-
-_METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
+from service.route_template import method_and_route
 
 
 class RequestMetrics:
@@ -54,7 +53,7 @@ class RequestMetrics:
             try:
                 await app(scope, receive, send_noting_status)
             finally:
-                method, route = _labels(scope)
+                method, route = method_and_route(scope)
                 self._requests.labels(method, route, str(status)).inc()
                 self._seconds.labels(method, route).observe(time.perf_counter() - start)
 
@@ -110,10 +109,3 @@ def metrics_route(registry: CollectorRegistry, access: JobAccess) -> APIRouter:
         return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
     return router
-
-
-def _labels(scope: Scope) -> tuple[str, str]:
-    """Method and route, of which there are few: what a client invents is no label."""
-    route = getattr(scope.get("route"), "path", "unmatched")
-    method = scope["method"] if scope["method"] in _METHODS else "other"
-    return method, route

@@ -8,9 +8,10 @@ import os
 from typing import Any
 
 from celery import Celery
-from celery.signals import worker_init, worker_process_init, worker_shutting_down
+from celery.signals import setup_logging, worker_init, worker_process_init, worker_shutting_down
 
 from jobs.celery_settings import celery_settings
+from jobs.logs import write_logs
 from worker import shutdown_flag
 from worker.heartbeat import heartbeat_step
 from worker.parent_death import die_with_parent
@@ -33,6 +34,12 @@ app.conf.update(
     worker_send_task_events=False,
 )
 app.steps["consumer"].add(heartbeat_step(settings))
+
+
+@setup_logging.connect(weak=False)  # type: ignore[untyped-decorator]
+def _logs(**_: Any) -> None:
+    """In place of Celery's own set-up."""
+    write_logs(settings.log_format)
 
 
 @worker_init.connect(weak=False)  # type: ignore[untyped-decorator]  # celery ships no types

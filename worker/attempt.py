@@ -15,12 +15,14 @@ from pathlib import Path
 from celery.exceptions import SoftTimeLimitExceeded
 from redis.exceptions import RedisError
 
+from jobs import log_context
 from jobs.claim import Claim, Refusal
 from jobs.errors import AlreadyPublished, JobGone, StaleToken
 from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.store import JobStore
+from jobs.trace_context import TraceContext
 from schemas.artifacts import Manifest
 from schemas.job import JobState
 from schemas.messages import Outcome, ReconstructMessage
@@ -59,6 +61,10 @@ def attempt(job_id: str, desk: Desk) -> None:
     if claim.token is None:
         _LOGGER.info("job %s is not to be had: %s", job_id, claim.refusal)
         return
+    context = log_context.current()
+    context.attempt = claim.attempt
+    context.trace = TraceContext.parsed(claim.traceparent) or context.trace
+    _LOGGER.info("job %s: attempt %s begins", job_id, claim.attempt)
     folder = desk.store.folder(job_id)
     with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
         ending = _Ending(folder, desk.records, claim, lease)
@@ -114,9 +120,11 @@ def _stopped(reason: StopReason | None, desk: Desk, lease: Lease, ending: "_Endi
 
 def _hand_back(desk: Desk, lease: Lease) -> None:
     """Return the job to the queue. Where that fails, the reconciler does it once the lease ends."""
+    trace = log_context.current().trace
+    traceparent = trace.header() if trace else None
     try:
         desk.records.released(lease.job_id, lease.token)
-        desk.queue.enqueue(ReconstructMessage(job_id=lease.job_id))
+        desk.queue.enqueue(ReconstructMessage(job_id=lease.job_id, traceparent=traceparent))
     except (RedisError, InternalError, StaleToken) as error:
         _LOGGER.warning("job %s was not handed back: %s", lease.job_id, error)
     else:
@@ -162,6 +170,7 @@ class _Ending:
         except (RedisError, StaleToken) as trouble:
             # The folder says how the job ended; the reconciler tells Redis.
             _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
+        _LOGGER.info("job %s ended: %s", self.folder.job_id, outcome.state)
         for leftover in self.folder.path.glob("staging-*"):
             # Of attempts whose worker died; one that still runs finds its token stale.
             shutil.rmtree(leftover, ignore_errors=True)
