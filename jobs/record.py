@@ -4,11 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
+from pydantic import TypeAdapter
+
 from jobs.errors import IllegalTransition
 from jobs.trace_context import TraceContext
 from schemas.job import Job, JobKind, JobState, Links, Progress, Stage
 from schemas.messages import JobRequest, Outcome
 from schemas.problem import Problem
+
+_STAGE_S = TypeAdapter(dict[Stage, float])
 
 
 @dataclass(frozen=True)
@@ -33,6 +37,7 @@ class Record:
     token: int = 0
     free_from_us: int = 0
     traceparent: str | None = None
+    stage_s: Mapping[Stage, float] = field(default_factory=dict)
 
     @classmethod
     def of_request(cls, request: JobRequest, owner: str, now_us: int) -> "Record":
@@ -62,6 +67,7 @@ class Record:
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
             traceparent=fields.get("traceparent") or None,
+            stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
         )
 
     def fields(self) -> dict[str, str]:
@@ -78,6 +84,7 @@ class Record:
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
             "traceparent": self.traceparent or "",
+            "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -102,6 +109,7 @@ class Record:
             attempt=outcome.attempt,
             error=outcome.error,
             progress=progress,
+            stage_s=outcome.stage_s,
         )
 
     def job(self) -> Job:

@@ -22,6 +22,7 @@ from jobs.errors import StaleToken
 from jobs.index import ANY_OWNER, index_key, move_in_index
 from jobs.record import Record
 from jobs.redis_clock import now_us
+from jobs.tallies import tally
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
@@ -71,6 +72,11 @@ class JobRecords:
     def ids(self) -> list[str]:
         """Every known job, oldest first."""
         return cast(list[str], self._redis.zrange(index_key(ANY_OWNER), 0, -1))
+
+    def oldest(self, state: JobState) -> str | None:
+        """The id of the job that was accepted first of those in a state."""
+        found = cast(list[str], self._redis.zrange(index_key(ANY_OWNER, state), 0, 0))
+        return found[0] if found else None
 
     def counts(self) -> dict[JobState, int]:
         """How many jobs stand in each state."""
@@ -197,6 +203,7 @@ class JobRecords:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                tally(pipe, before, after)
                 if after is None:
                     pipe.delete(key)
                 else:

@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import Field
 
 from schemas.base import WireModel
-from schemas.job import JobKind, JobState
+from schemas.job import JobKind, JobState, Stage
 from schemas.labels import LabelRequest
 from schemas.options import Options
 from schemas.problem import Problem
@@ -52,6 +52,9 @@ class Outcome(WireModel):
     finished_at: datetime
     attempt: int
     error: Problem | None = None
+    stage_s: dict[Stage, float] = Field(
+        default_factory=dict, description="Seconds that the last attempt spent in each stage."
+    )
 
 
 class ReconstructMessage(WireModel):

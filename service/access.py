@@ -12,6 +12,7 @@ from jobs.queue import JobQueue
 from jobs.records import ANONYMOUS, JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
+from jobs.tallies import Tallies
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
 from service.settings import ServiceSettings
@@ -26,6 +27,7 @@ class JobAccess:
     records: JobRecords
     queue: JobQueue
     workers: LiveWorkers
+    tallies: Tallies
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "JobAccess":
@@ -36,6 +38,7 @@ class JobAccess:
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
             workers=LiveWorkers(redis),
+            tallies=Tallies(redis),
         )
 
     def live_workers(self) -> list[str]:

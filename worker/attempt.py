@@ -32,6 +32,7 @@ from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
 from worker.observer import Cancelled, Observer
 from worker.settings import WorkerSettings
+from worker.stage_clock import StageClock
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -67,7 +68,8 @@ def attempt(job_id: str, desk: Desk) -> None:
     _LOGGER.info("job %s: attempt %s begins", job_id, claim.attempt)
     folder = desk.store.folder(job_id)
     with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
-        ending = _Ending(folder, desk.records, claim, lease)
+        observer = JobObserver(desk.records, lease, desk.is_shutting_down)
+        ending = _Ending(folder, desk.records, claim, lease, StageClock(observer))
         try:
             if folder.manifest() is not None:
                 # An earlier attempt, the last one too, published and died before it could say so.
@@ -75,19 +77,19 @@ def attempt(job_id: str, desk: Desk) -> None:
             elif claim.refusal is Refusal.EXHAUSTED:
                 ending.failed(worker_lost(job_id, settings.max_attempts))
             else:
-                _work(folder, desk, lease, ending)
+                _work(folder, desk, observer, ending)
         except JobGone:
             _LOGGER.info("job %s was erased while it was worked on", job_id)
 
 
-def _work(folder: JobFolder, desk: Desk, lease: Lease, ending: "_Ending") -> None:
+def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending") -> None:
     job_id = folder.job_id
-    observer = JobObserver(desk.records, lease, desk.is_shutting_down)
+    lease = ending.lease
     staging = folder.staging(lease.token)
     try:
         if observer.is_cancelled():
             raise Cancelled
-        manifest = desk.produce(folder, staging, observer)
+        manifest = desk.produce(folder, staging, ending.clock)
         ending.succeeded(staging, manifest)
     except Cancelled:
         _stopped(observer.stop_reason, desk, lease, ending)
@@ -139,6 +141,7 @@ class _Ending:
     records: JobRecords
     claim: Claim
     lease: Lease
+    clock: StageClock
 
     def succeeded(self, staging: Path, manifest: Manifest) -> None:
         if not self.lease.confirm():
@@ -163,6 +166,7 @@ class _Ending:
                 finished_at=datetime.now(UTC),
                 attempt=self.claim.attempt,
                 error=error,
+                stage_s=self.clock.stage_s(),
             )
         )
         try:
