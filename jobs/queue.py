@@ -10,7 +10,13 @@ from redis.exceptions import RedisError
 
 from jobs.celery_settings import celery_settings
 from jobs.settings import JobSettings
-from schemas.messages import RECONSTRUCT_QUEUE, RECONSTRUCT_TASK, ReconstructMessage
+from schemas.messages import (
+    HEARTBEAT_QUEUE,
+    HEARTBEAT_TASK,
+    RECONSTRUCT_QUEUE,
+    RECONSTRUCT_TASK,
+    ReconstructMessage,
+)
 from schemas.problem import InternalError, ProblemType
 
 
@@ -53,6 +59,20 @@ class JobQueue:
                 "the queue cannot be reached; nothing was accepted, try again in a while",
                 status=503,
             ) from error
+
+    def ask_for_heartbeat(self, within_s: float) -> None:
+        """Send a heartbeat for any worker to finish, unless one waits; too late, it is dropped.
+
+        Raises RedisError, or an error of kombu, where Redis does not take it.
+        """
+        if self._redis.llen(HEARTBEAT_QUEUE) == 0:
+            self._app.send_task(
+                HEARTBEAT_TASK,
+                queue=HEARTBEAT_QUEUE,
+                expires=within_s,
+                retry=False,
+                ignore_result=True,
+            )
 
     def waiting(self) -> set[str]:
         """Ids of the jobs that have a message no worker has fetched yet."""

@@ -78,6 +78,19 @@ class JobRecords:
         found = cast(list[str], self._redis.zrange(index_key(ANY_OWNER, state), 0, 0))
         return found[0] if found else None
 
+    def is_any_held(self) -> bool:
+        """Whether some worker holds a job now."""
+        ids = [
+            job_id
+            for state in (JobState.RUNNING, JobState.CANCELLING)
+            for job_id in cast(list[str], self._redis.zrange(index_key(ANY_OWNER, state), 0, -1))
+        ]
+        with self._redis.pipeline(transaction=False) as pipe:
+            for job_id in ids:
+                pipe.hget(_key(job_id), "free_from_us")
+            free_from_us = [int(found) for found in pipe.execute() if found]
+        return bool(free_from_us) and max(free_from_us) > now_us(self._redis)
+
     def counts(self) -> dict[JobState, int]:
         """How many jobs stand in each state."""
         with self._redis.pipeline(transaction=False) as pipe:

@@ -40,6 +40,11 @@ class JobSettings(BaseSettings):
     )
 
     @property
+    def heartbeat_within_s(self) -> float:
+        """How long ago the last finished heartbeat may be: one is asked for at half of it."""
+        return 2 * self.worker_alive_s
+
+    @property
     def jobs_dir(self) -> Path:
         return self.data_dir / "jobs"
 

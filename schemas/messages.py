@@ -16,6 +16,10 @@ from schemas.vocabulary import View
 RECONSTRUCT_TASK = "neuralmri.reconstruct"
 RECONSTRUCT_QUEUE = "neuralmri"
 
+HEARTBEAT_TASK = "neuralmri.heartbeat"
+HEARTBEAT_QUEUE = "neuralmri-heartbeat"
+"""Of its own, so that a heartbeat does not wait behind the jobs that do."""
+
 
 class ContourRequest(WireModel):
     """The body of `POST /v1/jobs/contours`."""

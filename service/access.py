@@ -45,6 +45,15 @@ class JobAccess:
         """Names of the workers that take jobs now. Raises RedisError."""
         return self.workers.names(self.settings.worker_alive_s)
 
+    def is_work_done(self) -> bool:
+        """Whether a worker holds a job, or has finished a heartbeat of late. Raises RedisError.
+
+        A heartbeat waits where every worker is at a job; then the leases show that they work.
+        """
+        ago_s = self.workers.heartbeat_finished_ago_s()
+        is_fresh = ago_s is not None and ago_s <= self.settings.heartbeat_within_s
+        return is_fresh or self.records.is_any_held()
+
     def folder(self, job_id: str) -> JobFolder:
         """The folder of a job that exists. Raises InputError (not found, 404)."""
         if is_job_id(job_id):

@@ -57,6 +57,11 @@ class JobMetrics(Collector):
         yield _gauge(
             "neuralmri_live_workers", "Workers with a recent heartbeat.", len(access.live_workers())
         )
+        yield _gauge(
+            "neuralmri_work_done",
+            "Whether a worker holds a job, or finished a heartbeat of late.",
+            float(access.is_work_done()),
+        )
 
 
 def _since(totals: Totals) -> Iterator[Metric]:

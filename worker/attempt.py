@@ -153,7 +153,9 @@ class _Ending:
         self.write(JobState.SUCCEEDED)
 
     def failed(self, problem: Problem) -> None:
-        self.write(JobState.FAILED, problem)
+        trace = log_context.current().trace
+        known = {"trace_id": trace.trace_id if trace else None}
+        self.write(JobState.FAILED, problem.model_copy(update=known))
 
     def write(self, state: JobState, error: Problem | None = None) -> None:
         """Write the outcome, then record whichever outcome stands."""

@@ -1,4 +1,4 @@
-"""The one Celery task: a message names a job, and one attempt is made on it."""
+"""The task that is a job: a message names it, and one attempt is made on it."""
 
 from functools import cache, partial
 from typing import Any
