@@ -16,6 +16,7 @@ from cli.server_errors import document_of, refusal_of
 from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.base import WireModel
 from schemas.job import Job, Progress
+from schemas.messages import ContourRequest
 from schemas.problem import InputError, InternalError, ProblemType
 from schemas.report import Report
 
@@ -91,6 +92,10 @@ class Client:
                 if job.state.is_terminal:
                     return job
             time.sleep(_POLL_EVERY_S)
+
+    def request(self, job_id: str) -> ContourRequest:
+        """What a contour job was asked. Raises InputError for one of label maps."""
+        return _fitting(ContourRequest, self._call("GET", f"/v1/jobs/{job_id}/request"))
 
     def report(self, job_id: str) -> Report:
         return _fitting(Report, self._call("GET", f"/v1/jobs/{job_id}/report"))

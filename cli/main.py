@@ -15,6 +15,7 @@ from cli.demo import demo
 from cli.evaluate import evaluate
 from cli.phantom import phantom
 from cli.reconstruct import reconstruct
+from cli.rerun import rerun
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
@@ -35,6 +36,7 @@ app = typer.Typer(
 app.command()(serve)
 app.command()(reconstruct)
 app.command()(submit)
+app.command()(rerun)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)

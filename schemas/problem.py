@@ -31,6 +31,7 @@ class ProblemType(StrEnum):
     TOO_LARGE = "too-large"
     NOT_READY = "not-ready"
     UNSATISFIABLE_RANGE = "unsatisfiable-range"
+    INPUTS_NOT_SERVED = "inputs-not-served"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"

@@ -13,7 +13,7 @@ from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
 from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
-from service.routes import artifacts, health, jobs, submit_contours, submit_labels
+from service.routes import artifacts, health, jobs, request, submit_contours, submit_labels
 from service.settings import ServiceSettings
 
 
@@ -40,7 +40,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.access = access
     install_problem_handlers(app, settings)
-    for part in (submit_contours, submit_labels, jobs, artifacts, health):
+    for part in (submit_contours, submit_labels, jobs, request, artifacts, health):
         app.include_router(part.router)
     requests = RequestMetrics()
     app.include_router(metrics_route(requests.registry, access))
