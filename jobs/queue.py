@@ -60,8 +60,10 @@ class JobQueue:
                 status=503,
             ) from error
 
-    def ask_for_heartbeat(self, within_s: float) -> None:
-        """Send a heartbeat for any worker to finish, unless one waits; too late, it is dropped.
+    def ask_for_heartbeat(self) -> None:
+        """Send a heartbeat for any worker to finish, unless one waits.
+
+        It does not expire: hosts may have wrong clocks, and one finished late proves as much.
 
         Raises RedisError, or an error of kombu, where Redis does not take it.
         """
@@ -69,7 +71,6 @@ class JobQueue:
             self._app.send_task(
                 HEARTBEAT_TASK,
                 queue=HEARTBEAT_QUEUE,
-                expires=within_s,
                 retry=False,
                 ignore_result=True,
             )

@@ -39,7 +39,7 @@ class _Pulse:
             self.workers.heartbeat(worker_name)
             ago_s = self.workers.heartbeat_finished_ago_s()
             if ago_s is None or ago_s >= self.settings.heartbeat_within_s / 2:
-                self.queue.ask_for_heartbeat(self.settings.heartbeat_within_s)
+                self.queue.ask_for_heartbeat()
         except (RedisError, KombuError, OSError) as error:
             _LOGGER.warning("the heartbeat was not recorded: %s", error)
 

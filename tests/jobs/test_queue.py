@@ -83,6 +83,6 @@ def test_limits_out_of_order_are_refused() -> None:
 
 def test_heartbeats_wait_apart_from_jobs_and_do_not_pile_up(queue: JobQueue, redis: Redis) -> None:
     for _ in range(3):
-        queue.ask_for_heartbeat(60.0)
+        queue.ask_for_heartbeat()
     assert redis.llen(HEARTBEAT_QUEUE) == 1
     assert (queue.depth(), queue.waiting()) == (0, set())
