@@ -20,6 +20,7 @@ from cli.transfer import fetch
 from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.base import WireModel
 from schemas.job import Job, JobPage, JobState, Progress
+from schemas.messages import ContourRequest
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 from schemas.report import Report
 
@@ -140,6 +141,10 @@ class Client:
                 if job.state.is_terminal:
                     return job
             time.sleep(pause_s)
+
+    def request(self, job_id: str) -> ContourRequest:
+        """What a contour job was asked. Raises InputError for one of label maps."""
+        return _fitting(ContourRequest, self._call("GET", f"{_address(job_id)}/request"))
 
     def report(self, job_id: str) -> Report:
         return _fitting(Report, self._call("GET", f"{_address(job_id)}/report"))

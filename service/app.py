@@ -17,6 +17,7 @@ from service.keys.gate import Gate
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
+from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
 from service.routes import (
     artifacts,
@@ -24,6 +25,7 @@ from service.routes import (
     jobs,
     options,
     pages,
+    request,
     restart,
     submit_contours,
     submit_labels,
@@ -71,6 +73,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         validate,
         options,
         jobs,
+        request,
         restart,
         artifacts,
         webhooks,
@@ -90,4 +93,5 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         app.add_middleware(CORSMiddleware, **cors(settings.origins))
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
+    app.add_middleware(RequestLog)
     return app

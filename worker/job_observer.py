@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from redis.exceptions import RedisError
 
+from jobs import log_context
 from jobs.errors import StaleToken
 from jobs.records import JobRecords
 from schemas.job import Progress, Stage
@@ -54,7 +55,7 @@ class JobObserver:
         if self._lease.is_lost or (now_s < self._tell_at_s and progress.stage is self._stage):
             return
         self._tell_at_s = now_s + _TELL_EVERY_S
-        self._stage = progress.stage
+        self._stage = log_context.current().stage = progress.stage
         try:
             self._records.advanced(
                 self._lease.job_id, self._lease.token, self._with_eta(progress, now_s)
