@@ -23,6 +23,7 @@ from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.base import WireModel
 from schemas.event import EVENT_STREAM, EventKind, JobEvent
 from schemas.job import Job, JobPage, JobState, Progress
+from schemas.messages import ContourRequest
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 from schemas.report import Report
 
@@ -179,6 +180,10 @@ class Client:
             f"job {job_id} cannot be followed any more ({error.detail}); it may go on: "
             f"look at {self.server}/v1/jobs/{job_id} later",
         )
+
+    def request(self, job_id: str) -> ContourRequest:
+        """What a contour job was asked. Raises InputError for one of label maps."""
+        return _fitting(ContourRequest, self._call("GET", f"{_address(job_id)}/request"))
 
     def report(self, job_id: str) -> Report:
         return _fitting(Report, self._call("GET", f"{_address(job_id)}/report"))

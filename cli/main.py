@@ -21,6 +21,7 @@ from cli.keys import keys
 from cli.list_jobs import list_jobs
 from cli.phantom import phantom
 from cli.reconstruct import reconstruct
+from cli.rerun import rerun
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
@@ -43,6 +44,7 @@ app.command()(cancel)
 app.command()(erase)
 app.command()(download)
 app.command()(watch)
+app.command()(rerun)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)

@@ -24,7 +24,7 @@ from cli.input_arguments import (
     SpacingChoice,
     SubjectId,
 )
-from cli.inputs import ContourInput, read_input
+from cli.inputs import read_input
 from cli.progress import progress_bar
 from cli.summary import print_summary
 from schemas.labels import Spacing
@@ -57,17 +57,13 @@ def reconstruct(
     given = read_input(study, maps, options, reference or ())
 
     # The science, and only now: it takes seconds to load.
+    from cli.reading import reading_of
     from intake.settings import LimitSettings
     from worker.artifacts.manifest import write_manifest
-    from worker.reading import read_contours, read_labels, with_references
     from worker.subject import run
 
     limits = LimitSettings().limits()
-    if isinstance(given, ContourInput):
-        reading, pointer = read_contours(given.request), given.pointer
-    else:
-        reading, pointer = read_labels(given.files, given.request, limits), "/study"
-    reading = with_references(reading, given.references, limits, pointer=pointer)
+    reading, pointer = reading_of(given, limits)
     out.mkdir(parents=True, exist_ok=True)
     # Beside its destination, so that what is there stays whole until the new is complete.
     with tempfile.TemporaryDirectory(prefix=".neuralmri-", dir=out) as folder:

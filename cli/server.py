@@ -19,7 +19,7 @@ from cli.ports import refuse_remote_host, refuse_taken_port
 from cli.private_redis import start_redis
 from schemas.problem import InputError, InternalError, ProblemType
 
-_API = "service.app:create_app"
+_API = "service.process:app_of_process"
 
 # On one machine nothing is slow to answer, so a lost worker is noticed in seconds.
 _LOCAL_PATIENCE = {
@@ -103,7 +103,7 @@ def _start(plan: ServerPlan, children: Children) -> None:
         "worker",
         python_module(
             "celery",
-            *("--app", "worker.app", "worker", "--loglevel", "INFO"),
+            *("--app", "worker.app", "--quiet", "worker", "--loglevel", "INFO"),
             *("--concurrency", str(plan.workers), "--hostname", f"worker-{os.getpid()}@%h"),
             *("--without-gossip", "--without-mingle"),
         ),

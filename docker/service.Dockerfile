@@ -19,7 +19,7 @@ COPY service service
 # The command line's package is not in this image, so neither is its script.
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --no-deps --force-reinstall . \
     && rm /opt/neuralmri/bin/neuralmri \
-    && /opt/neuralmri/bin/python -c "import service.app"
+    && /opt/neuralmri/bin/python -c "import service.process"
 
 FROM ${PYTHON_IMAGE}
 ARG VERSION=0.1.0
@@ -43,12 +43,13 @@ ENV PATH=/opt/neuralmri/bin:$PATH \
     PYTHONDONTWRITEBYTECODE=1 \
     PYTHONUNBUFFERED=1 \
     OPENBLAS_NUM_THREADS=1 \
-    NEURALMRI_DATA_DIR=/var/lib/neuralmri
+    NEURALMRI_DATA_DIR=/var/lib/neuralmri \
+    NEURALMRI_LOG_FORMAT=json
 WORKDIR /opt/neuralmri
 USER 10001:10001
 EXPOSE 8000
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=15s --timeout=5s --start-period=20s --retries=3 \
   CMD ["python", "-c", "from urllib.request import urlopen; urlopen('http://127.0.0.1:8000/healthz', timeout=4)"]
-CMD ["uvicorn", "--factory", "service.app:create_app", "--host", "0.0.0.0", "--port", "8000", \
+CMD ["uvicorn", "--factory", "service.process:app_of_process", "--host", "0.0.0.0", "--port", "8000", \
      "--no-server-header", "--no-access-log", "--timeout-graceful-shutdown", "20"]

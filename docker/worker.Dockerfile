@@ -53,7 +53,8 @@ ENV PATH=/opt/neuralmri/bin:$PATH \
     PYTHONUNBUFFERED=1 \
     OMP_NUM_THREADS=1 \
     OPENBLAS_NUM_THREADS=1 \
-    NEURALMRI_DATA_DIR=/var/lib/neuralmri
+    NEURALMRI_DATA_DIR=/var/lib/neuralmri \
+    NEURALMRI_LOG_FORMAT=json
 WORKDIR /opt/neuralmri
 USER 10001:10001
 # On SIGTERM the worker hands its job back to the queue within seconds. REMAP_SIGTERM must stay unset:
@@ -61,5 +62,5 @@ USER 10001:10001
 STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=30s --timeout=10s --start-period=30s --retries=3 \
   CMD ["python", "/opt/neuralmri/worker_health.py"]
-CMD ["celery", "--app", "worker.app", "worker", "--concurrency", "1", \
+CMD ["celery", "--app", "worker.app", "--quiet", "worker", "--concurrency", "1", \
      "--loglevel", "INFO", "--without-gossip", "--without-mingle"]

@@ -27,12 +27,14 @@ class Claim:
         except for EXHAUSTED.
     attempt: which attempt this is, from 1.
     started_at: when a worker first started the job.
+    traceparent: the trace that the job is part of.
     """
 
     token: int | None
     attempt: int
     started_at: datetime | None
     refusal: Refusal | None = None
+    traceparent: str | None = None
 
     @property
     def granted(self) -> bool:

@@ -1,4 +1,4 @@
-"""The workers that are alive, by their heartbeats in Redis."""
+"""The workers that are alive, by their heartbeats in Redis, and when one last came through."""
 
 from typing import cast
 
@@ -8,6 +8,7 @@ from jobs.redis_clock import now_us
 
 _KEY = "neuralmri:workers"
 _SLOTS_KEY = "neuralmri:worker-slots"
+_FINISHED_KEY = "neuralmri:heartbeat"
 
 _FORGOTTEN_AFTER_S = 3600.0
 """Names of workers that are gone would pile up: each start of a container brings a new one."""
@@ -31,6 +32,15 @@ class LiveWorkers:
         oldest = now_us(self._redis) / 1e6 - within_s
         self._forget_before(oldest - _FORGOTTEN_AFTER_S)
         return sorted(cast(list[str], self._redis.zrangebyscore(_KEY, oldest, "+inf")))
+
+    def finished_heartbeat(self) -> None:
+        """Say that a worker has taken a heartbeat from the queue and done it."""
+        self._redis.set(_FINISHED_KEY, now_us(self._redis))
+
+    def heartbeat_finished_ago_s(self) -> float | None:
+        """How long ago a worker last did; None where none has since Redis began."""
+        finished_us = cast(str | None, self._redis.get(_FINISHED_KEY))
+        return (now_us(self._redis) - int(finished_us)) / 1e6 if finished_us else None
 
     def slots(self, within_s: float) -> int:
         """How many jobs those workers do at a time, all together."""

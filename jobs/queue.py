@@ -11,7 +11,13 @@ from redis.exceptions import RedisError
 from jobs.batch_turn import give_batch_turn
 from jobs.celery_settings import celery_settings
 from jobs.settings import JobSettings
-from schemas.messages import QUEUES, RECONSTRUCT_TASK, ReconstructMessage
+from schemas.messages import (
+    HEARTBEAT_QUEUE,
+    HEARTBEAT_TASK,
+    QUEUES,
+    RECONSTRUCT_TASK,
+    ReconstructMessage,
+)
 from schemas.problem import InternalError, ProblemType
 
 
@@ -43,6 +49,7 @@ class JobQueue:
             self._app.send_task(
                 RECONSTRUCT_TASK,
                 kwargs=message.as_kwargs(),
+                headers=message.as_headers(),
                 task_id=message.job_id,
                 queue=QUEUES[message.priority],
                 retry=False,
@@ -54,6 +61,21 @@ class JobQueue:
                 "the queue cannot be reached; nothing was accepted, try again in a while",
                 status=503,
             ) from error
+
+    def ask_for_heartbeat(self) -> None:
+        """Send a heartbeat for any worker to finish, unless one waits.
+
+        It does not expire: hosts may have wrong clocks, and one finished late proves as much.
+
+        Raises RedisError, or an error of kombu, where Redis does not take it.
+        """
+        if self._redis.llen(HEARTBEAT_QUEUE) == 0:
+            self._app.send_task(
+                HEARTBEAT_TASK,
+                queue=HEARTBEAT_QUEUE,
+                retry=False,
+                ignore_result=True,
+            )
 
     def waiting(self) -> set[str]:
         """Ids of the jobs that have a message no worker has fetched yet."""

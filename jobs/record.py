@@ -4,10 +4,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from datetime import UTC, datetime
 
+from pydantic import TypeAdapter
+
 from jobs.errors import IllegalTransition
+from jobs.trace_context import TraceContext
 from schemas.job import Job, JobKind, JobState, Links, Priority, Progress, Stage
 from schemas.messages import Idempotency, JobRequest, Outcome
 from schemas.problem import Problem
+
+_STAGE_S = TypeAdapter(dict[Stage, float])
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,8 @@ class Record:
     free_from_us: int = 0
     priority: Priority = Priority.INTERACTIVE
     idempotency: Idempotency | None = None
+    traceparent: str | None = None
+    stage_s: Mapping[Stage, float] = field(default_factory=dict)
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -47,6 +54,7 @@ class Record:
             free_from_us=now_us,
             priority=request.priority,
             idempotency=request.idempotency,
+            traceparent=request.traceparent,
         )
 
     @classmethod
@@ -65,9 +73,11 @@ class Record:
             restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
-            # These two are not there in records of an older release.
+            # These four are not there in records of an older release.
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
+            traceparent=fields.get("traceparent") or None,
+            stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
         )
 
     def fields(self) -> dict[str, str]:
@@ -86,6 +96,8 @@ class Record:
             "free_from_us": str(self.free_from_us),
             "priority": self.priority.value,
             "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
+            "traceparent": self.traceparent or "",
+            "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -110,11 +122,13 @@ class Record:
             attempt=outcome.attempt,
             error=outcome.error,
             progress=progress,
+            stage_s=outcome.stage_s,
         )
 
     def job(self) -> Job:
         """The job as its caller sees it."""
         here = f"/v1/jobs/{self.job_id}"
+        trace = TraceContext.parsed(self.traceparent)
         return Job(
             id=self.job_id,
             kind=self.kind,
@@ -127,6 +141,7 @@ class Record:
             attempt=self.attempt,
             error=self.error,
             restarted_from=self.restarted_from,
+            trace_id=trace.trace_id if trace else None,
             links=Links(
                 self=here,
                 cancel=f"{here}/cancel",

@@ -26,6 +26,7 @@ from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
 from jobs.record import Record
 from jobs.redis_clock import now_us
 from jobs.runtimes import note_runtime
+from jobs.tallies import tally
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
 
@@ -75,6 +76,24 @@ class JobRecords:
         """Every known job, oldest first."""
         return cast(list[str], self._redis.zrange(index_key(ANY_OWNER), 0, -1))
 
+    def oldest(self, state: JobState) -> str | None:
+        """The id of the job that was accepted first of those in a state."""
+        found = cast(list[str], self._redis.zrange(index_key(ANY_OWNER, state), 0, 0))
+        return found[0] if found else None
+
+    def is_any_held(self) -> bool:
+        """Whether some worker holds a job now."""
+        ids = [
+            job_id
+            for state in (JobState.RUNNING, JobState.CANCELLING)
+            for job_id in cast(list[str], self._redis.zrange(index_key(ANY_OWNER, state), 0, -1))
+        ]
+        with self._redis.pipeline(transaction=False) as pipe:
+            for job_id in ids:
+                pipe.hget(record_key(job_id), "free_from_us")
+            free_from_us = [int(found) for found in pipe.execute() if found]
+        return bool(free_from_us) and max(free_from_us) > now_us(self._redis)
+
     def counts(self) -> dict[JobState, int]:
         """How many jobs stand in each state."""
         with self._redis.pipeline(transaction=False) as pipe:
@@ -103,6 +122,7 @@ class JobRecords:
             attempt=record.attempt if record else 0,
             started_at=record.started_at if record else None,
             refusal=why,
+            traceparent=record.traceparent if record else None,
         )
 
     def renew(self, job_id: str, token: int, lease_s: float) -> bool:
@@ -204,6 +224,7 @@ class JobRecords:
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)
                 add_event(pipe, before, after)
+                tally(pipe, before, after)
                 if after is None:
                     pipe.delete(key)
                 else:

@@ -6,6 +6,8 @@ from typing import Self
 from pydantic import Field, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
 
+from jobs.logs import LogFormat
+
 
 class JobSettings(BaseSettings):
     """Where jobs are kept and how long anything about them may take. Read once a process."""
@@ -32,6 +34,15 @@ class JobSettings(BaseSettings):
     worker_alive_s: float = Field(
         default=30.0, gt=0.0, description="How old a live worker's last heartbeat may be."
     )
+
+    log_format: LogFormat = Field(
+        default=LogFormat.TEXT, description="json for machines, text for people."
+    )
+
+    @property
+    def heartbeat_within_s(self) -> float:
+        """How long ago the last finished heartbeat may be: one is asked for at half of it."""
+        return 2 * self.worker_alive_s
 
     @property
     def jobs_dir(self) -> Path:

@@ -22,6 +22,11 @@ def is_job_id(text: str) -> bool:
     return _JOB_ID.fullmatch(text) is not None
 
 
+def made_at_s(job_id: str) -> float:
+    """When the id was made, Unix time."""
+    return int(job_id[:12], 16) / 1000
+
+
 class JobStore:
     """The folder of job folders. Made where it is missing, readable by its owner only."""
 

@@ -1,4 +1,6 @@
-"""How every wire model behaves: unknown keys refused, values frozen, numbers finite."""
+"""How every wire model behaves: unknown keys refused, values frozen, numbers finite, and a faulty
+value kept out of what an error says of it: that may be logged.
+"""
 
 from typing import Annotated
 
@@ -8,7 +10,9 @@ from pydantic import BaseModel, ConfigDict, StringConstraints
 class WireModel(BaseModel):
     """A value that crosses a wire."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(
+        extra="forbid", frozen=True, allow_inf_nan=False, hide_input_in_errors=True
+    )
 
 
 Name = Annotated[

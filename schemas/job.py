@@ -115,6 +115,9 @@ class Job(WireModel):
     restarted_from: str | None = Field(
         default=None, description="The job that this one does anew; it may have been erased since."
     )
+    trace_id: str | None = Field(
+        default=None, description="Of the request that brought it: what the logs have it under."
+    )
     links: Links
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, Field
 
 from schemas.base import Name, WireModel
-from schemas.job import Job, JobKind, JobState, Priority
+from schemas.job import Job, JobKind, JobState, Priority, Stage
 from schemas.labels import LabelRequest
 from schemas.options import Options
 from schemas.problem import Problem
@@ -21,6 +21,10 @@ RECONSTRUCT_QUEUE = "neuralmri"
 
 QUEUES = {Priority.INTERACTIVE: RECONSTRUCT_QUEUE, Priority.BATCH: f"{RECONSTRUCT_QUEUE}-batch"}
 """Names of queues. A worker looks into them in the order of their names: interactive first."""
+
+HEARTBEAT_TASK = "neuralmri.heartbeat"
+HEARTBEAT_QUEUE = "heartbeat-neuralmri"
+"""Of its own, and first by name, so that a heartbeat does not wait behind the jobs that do."""
 
 
 class ContourRequest(WireModel):
@@ -58,12 +62,15 @@ class JobRequest(WireModel):
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
     restarted_from: str | None = None
+    traceparent: str | None = Field(
+        default=None, description="W3C trace context of the request that brought the job."
+    )
 
 
 class JobOwner(BaseModel):
     """Of `request.json`, only whose it is: a study is large, and this is asked often."""
 
-    model_config = ConfigDict(extra="ignore", frozen=True)
+    model_config = ConfigDict(extra="ignore", frozen=True, hide_input_in_errors=True)
 
     owner: Name = ANONYMOUS
 
@@ -76,17 +83,28 @@ class Outcome(WireModel):
     finished_at: datetime
     attempt: int
     error: Problem | None = None
+    stage_s: dict[Stage, float] = Field(
+        default_factory=dict, description="Seconds that the last attempt spent in each stage."
+    )
 
 
 class ReconstructMessage(WireModel):
-    """What the queue carries: a name, never the data; `priority` says which queue."""
+    """What the queue carries: a name, never the data; `priority` says which queue.
+
+    The trace goes in the message's headers.
+    """
 
     job_id: str
     priority: Priority = Priority.INTERACTIVE
+    traceparent: str | None = None
 
     @classmethod
-    def of_job(cls, job: Job) -> "ReconstructMessage":
-        return cls(job_id=job.id, priority=job.priority)
+    def of_job(cls, job: Job, traceparent: str | None = None) -> "ReconstructMessage":
+        """The message of a job that waits again; a worker finds the trace in its record too."""
+        return cls(job_id=job.id, priority=job.priority, traceparent=traceparent)
 
     def as_kwargs(self) -> dict[str, Any]:
-        return self.model_dump(mode="json")
+        return self.model_dump(mode="json", include={"job_id"})
+
+    def as_headers(self) -> dict[str, str]:
+        return {"traceparent": self.traceparent} if self.traceparent else {}

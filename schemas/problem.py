@@ -40,6 +40,7 @@ class ProblemType(StrEnum):
     WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
     WEBHOOK_DISABLED = "webhook-disabled"
     CROSS_ORIGIN = "cross-origin"
+    INPUTS_NOT_SERVED = "inputs-not-served"
     # contour studies
     OFF_PLANE_POINTS = "off-plane-points"
     DEGENERATE_CONTOUR = "degenerate-contour"
@@ -91,6 +92,9 @@ class Problem(WireModel):
     instance: str | None = None
     pointer: str | None = Field(default=None, description="JSON pointer to the offending part.")
     errors: list[ProblemPart] = Field(default_factory=list)
+    trace_id: str | None = Field(
+        default=None, description="Under which the service's log has the request."
+    )
 
 
 class ServiceError(Exception):

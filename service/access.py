@@ -15,6 +15,7 @@ from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
+from jobs.tallies import Tallies
 from jobs.waiting_line import WaitingLine
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
@@ -34,6 +35,7 @@ class JobAccess:
     records: JobRecords
     queue: JobQueue
     workers: LiveWorkers
+    tallies: Tallies
     line: WaitingLine
     admission: Admission
     owners: JobOwners
@@ -50,6 +52,7 @@ class JobAccess:
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
             workers=workers,
+            tallies=Tallies(redis),
             line=WaitingLine(redis, workers, settings.worker_alive_s),
             admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
             owners=JobOwners(),
@@ -59,6 +62,15 @@ class JobAccess:
     def live_workers(self) -> list[str]:
         """Names of the workers that take jobs now. Raises RedisError."""
         return self.workers.names(self.settings.worker_alive_s)
+
+    def is_work_done(self) -> bool:
+        """Whether a worker holds a job, or has finished a heartbeat of late. Raises RedisError.
+
+        A heartbeat waits where every worker is at a job; then the leases show that they work.
+        """
+        ago_s = self.workers.heartbeat_finished_ago_s()
+        is_fresh = ago_s is not None and ago_s <= self.settings.heartbeat_within_s
+        return is_fresh or self.records.is_any_held()
 
     def folder(self, job_id: str) -> JobFolder:
         """The folder of a job of the caller's. Raises InputError (not found, 404)."""

@@ -18,6 +18,7 @@ from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
 from service.reconciler import Reconciler
+from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
 from service.routes import (
     artifacts,
@@ -26,6 +27,7 @@ from service.routes import (
     jobs,
     options,
     pages,
+    request,
     restart,
     submit_contours,
     submit_labels,
@@ -75,6 +77,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         options,
         jobs,
         events,
+        request,
         restart,
         artifacts,
         webhooks,
@@ -94,4 +97,5 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         app.add_middleware(CORSMiddleware, **cors(settings.origins))
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
+    app.add_middleware(RequestLog)
     return app

@@ -21,6 +21,7 @@ _DONE: dict[tuple[str, str], Action] = {
     ("POST", "/v1/jobs/{job_id}/restart"): Action.SUBMIT,
     ("POST", "/v1/jobs/{job_id}/cancel"): Action.CANCEL,
     ("DELETE", "/v1/jobs/{job_id}"): Action.ERASE,
+    ("GET", "/v1/jobs/{job_id}/request"): Action.DOWNLOAD,
     ("GET", "/v1/jobs/{job_id}/report"): Action.DOWNLOAD,
     ("GET", "/v1/jobs/{job_id}/artifacts/{name}"): Action.DOWNLOAD,
 }

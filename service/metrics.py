@@ -1,20 +1,17 @@
-"""Prometheus metrics: requests, as they pass, and jobs, read from Redis when asked."""
+"""GET /metrics, and what is counted for it of requests as they pass."""
 
 import time
-from collections.abc import Iterator
 
 from fastapi import APIRouter, Response
 from prometheus_client import CollectorRegistry, Counter, Histogram, generate_latest
-from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.exposition import CONTENT_TYPE_LATEST
-from prometheus_client.registry import Collector
-from redis.exceptions import RedisError
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from service.access import JobAccess
 from service.documented import problems
-
-_METHODS = {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"}
+from service.host_metrics import HostMetrics
+from service.job_metrics import JobMetrics
+from service.route_template import method_and_route
 
 
 class RequestMetrics:
@@ -54,51 +51,18 @@ class RequestMetrics:
             try:
                 await app(scope, receive, send_noting_status)
             finally:
-                method, route = _labels(scope)
+                method, route = method_and_route(scope)
                 self._requests.labels(method, route, str(status)).inc()
                 self._seconds.labels(method, route).observe(time.perf_counter() - start)
 
         return watched
 
 
-class JobMetrics(Collector):
-    """Jobs by state, messages waiting and live workers, as Redis has them now."""
-
-    def __init__(self, access: JobAccess) -> None:
-        self._access = access
-
-    def collect(self) -> Iterator[Metric]:
-        up = GaugeMetricFamily("neuralmri_redis_up", "Whether Redis answers.")
-        try:
-            counts = self._access.records.counts()
-            depth = self._access.queue.depth()
-            workers = self._access.live_workers()
-        except RedisError:
-            up.add_metric([], 0.0)
-            yield up
-            return
-        up.add_metric([], 1.0)
-        yield up
-        jobs = GaugeMetricFamily("neuralmri_jobs", "Jobs by state.", labels=["state"])
-        for state, count in counts.items():
-            jobs.add_metric([state.value], count)
-        yield jobs
-        waiting = GaugeMetricFamily("neuralmri_queue_depth", "Messages no worker has fetched.")
-        waiting.add_metric([], depth)
-        yield waiting
-        alive = GaugeMetricFamily("neuralmri_live_workers", "Workers with a recent heartbeat.")
-        alive.add_metric([], len(workers))
-        yield alive
-
-    def describe(self) -> Iterator[Metric]:
-        """Nothing: registering must not ask Redis."""
-        return iter(())
-
-
 def metrics_route(registry: CollectorRegistry, access: JobAccess) -> APIRouter:
     """GET /metrics."""
     router = APIRouter(tags=["operation"])
     registry.register(JobMetrics(access))
+    registry.register(HostMetrics(access.store.root))
 
     @router.get(
         "/metrics",
@@ -110,10 +74,3 @@ def metrics_route(registry: CollectorRegistry, access: JobAccess) -> APIRouter:
         return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
     return router
-
-
-def _labels(scope: Scope) -> tuple[str, str]:
-    """Method and route, of which there are few: what a client invents is no label."""
-    route = getattr(scope.get("route"), "path", "unmatched")
-    method = scope["method"] if scope["method"] in _METHODS else "other"
-    return method, route

@@ -13,6 +13,7 @@ from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 from starlette.routing import compile_path
 
+from jobs import log_context
 from jobs.errors import JobGone
 from schemas.problem import (
     Fault,
@@ -24,6 +25,7 @@ from schemas.problem import (
     ServiceError,
 )
 from service.keys.gate import KeyRefused
+from service.route_template import method_and_route
 from service.security_headers import SECURITY_HEADERS
 from service.settings import ServiceSettings
 
@@ -61,7 +63,9 @@ class NotReadyError(InputError):
 
 
 def problem_response(problem: Problem, headers: Mapping[str, str] | None = None) -> Response:
-    """The problem document as an answer."""
+    """The problem document as an answer, with the trace under which our log has it."""
+    trace = log_context.current().trace
+    problem = problem.model_copy(update={"trace_id": trace.trace_id if trace else None})
     return Response(
         problem.model_dump_json(exclude_none=True),
         status_code=problem.status,
@@ -95,10 +99,10 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
         if error.retry_after_s is not None:
             headers = {"Retry-After": str(error.retry_after_s)}
         if error.type is ProblemType.INTERNAL:
-            log.error("%s %s: %s", request.method, request.url.path, error, exc_info=error)
+            log.error("%s %s: %s", *method_and_route(request.scope), error, exc_info=error)
         elif error.fault is Fault.SERVICE:
             why = repr(error.__cause__) if error.__cause__ else "no further cause"
-            log.warning("%s %s: %s (%s)", request.method, request.url.path, error, why)
+            log.warning("%s %s: %s (%s)", *method_and_route(request.scope), error, why)
         return problem_response(error.problem(request.url.path), headers)
 
     def http_error(request: Request, raised: Exception) -> Response:

@@ -8,9 +8,16 @@ import os
 from typing import Any
 
 from celery import Celery
-from celery.signals import worker_init, worker_process_init, worker_shutting_down
+from celery.signals import (
+    celeryd_init,
+    setup_logging,
+    worker_init,
+    worker_process_init,
+    worker_shutting_down,
+)
 
 from jobs.celery_settings import celery_settings
+from jobs.logs import write_logs
 from worker import shutdown_flag
 from worker.heartbeat import heartbeat_step
 from worker.parent_death import die_with_parent
@@ -21,7 +28,7 @@ settings = WorkerSettings()
 # Before any child loads numpy, which looks at the environment only then.
 bind_libraries(settings.threads)
 
-app = Celery("neuralmri-worker", include=["worker.task"])
+app = Celery("neuralmri-worker", include=["worker.task", "worker.heartbeat_task"])
 app.conf.update(
     celery_settings(settings),
     worker_pool="prefork",
@@ -33,6 +40,12 @@ app.conf.update(
     worker_send_task_events=False,
 )
 app.steps["consumer"].add(heartbeat_step(settings))
+
+
+@celeryd_init.connect(weak=False)  # type: ignore[untyped-decorator]  # before Celery's first word
+@setup_logging.connect(weak=False)  # type: ignore[untyped-decorator]  # in place of its own set-up
+def _logs(**_: Any) -> None:
+    write_logs(settings.log_format)
 
 
 @worker_init.connect(weak=False)  # type: ignore[untyped-decorator]  # celery ships no types

@@ -15,12 +15,14 @@ from pathlib import Path
 from celery.exceptions import SoftTimeLimitExceeded
 from redis.exceptions import RedisError
 
+from jobs import log_context
 from jobs.claim import Claim, Refusal
 from jobs.errors import AlreadyPublished, JobGone, StaleToken
 from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.store import JobStore
+from jobs.trace_context import TraceContext
 from schemas.artifacts import Manifest
 from schemas.job import JobState
 from schemas.messages import Outcome, ReconstructMessage
@@ -30,6 +32,7 @@ from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
 from worker.observer import Cancelled, Observer
 from worker.settings import WorkerSettings
+from worker.stage_clock import StageClock
 
 _LOGGER = logging.getLogger(__name__)
 
@@ -59,9 +62,14 @@ def attempt(job_id: str, desk: Desk) -> None:
     if claim.token is None:
         _LOGGER.info("job %s is not to be had: %s", job_id, claim.refusal)
         return
+    context = log_context.current()
+    context.attempt = claim.attempt
+    context.trace = TraceContext.parsed(claim.traceparent) or context.trace
+    _LOGGER.info("job %s: attempt %s begins", job_id, claim.attempt)
     folder = desk.store.folder(job_id)
     with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
-        ending = _Ending(folder, desk.records, claim, lease)
+        observer = JobObserver(desk.records, lease, desk.is_shutting_down)
+        ending = _Ending(folder, desk.records, claim, lease, StageClock(observer))
         try:
             if folder.manifest() is not None:
                 # An earlier attempt, the last one too, published and died before it could say so.
@@ -69,19 +77,19 @@ def attempt(job_id: str, desk: Desk) -> None:
             elif claim.refusal is Refusal.EXHAUSTED:
                 ending.failed(worker_lost(job_id, settings.max_attempts))
             else:
-                _work(folder, desk, lease, ending)
+                _work(folder, desk, observer, ending)
         except JobGone:
             _LOGGER.info("job %s was erased while it was worked on", job_id)
 
 
-def _work(folder: JobFolder, desk: Desk, lease: Lease, ending: "_Ending") -> None:
+def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending") -> None:
     job_id = folder.job_id
-    observer = JobObserver(desk.records, lease, desk.is_shutting_down)
+    lease = ending.lease
     staging = folder.staging(lease.token)
     try:
         if observer.is_cancelled():
             raise Cancelled
-        manifest = desk.produce(folder, staging, observer)
+        manifest = desk.produce(folder, staging, ending.clock)
         ending.succeeded(staging, manifest)
     except Cancelled:
         _stopped(observer.stop_reason, desk, lease, ending)
@@ -114,11 +122,13 @@ def _stopped(reason: StopReason | None, desk: Desk, lease: Lease, ending: "_Endi
 
 def _hand_back(desk: Desk, lease: Lease) -> None:
     """Return the job to the queue. Where that fails, the reconciler does it once the lease ends."""
+    trace = log_context.current().trace
+    traceparent = trace.header() if trace else None
     try:
         desk.records.released(lease.job_id, lease.token)
         job = desk.records.get(lease.job_id)
         if job is not None:
-            desk.queue.enqueue(ReconstructMessage.of_job(job))
+            desk.queue.enqueue(ReconstructMessage.of_job(job, traceparent))
     except (RedisError, InternalError, StaleToken) as error:
         _LOGGER.warning("job %s was not handed back: %s", lease.job_id, error)
     else:
@@ -133,6 +143,7 @@ class _Ending:
     records: JobRecords
     claim: Claim
     lease: Lease
+    clock: StageClock
 
     def succeeded(self, staging: Path, manifest: Manifest) -> None:
         if not self.lease.confirm():
@@ -144,7 +155,9 @@ class _Ending:
         self.write(JobState.SUCCEEDED)
 
     def failed(self, problem: Problem) -> None:
-        self.write(JobState.FAILED, problem)
+        trace = log_context.current().trace
+        known = {"trace_id": trace.trace_id if trace else None}
+        self.write(JobState.FAILED, problem.model_copy(update=known))
 
     def write(self, state: JobState, error: Problem | None = None) -> None:
         """Write the outcome, then record whichever outcome stands."""
@@ -157,6 +170,7 @@ class _Ending:
                 finished_at=datetime.now(UTC),
                 attempt=self.claim.attempt,
                 error=error,
+                stage_s=self.clock.stage_s(),
             )
         )
         try:
@@ -164,6 +178,7 @@ class _Ending:
         except (RedisError, StaleToken) as trouble:
             # The folder says how the job ended; the reconciler tells Redis.
             _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
+        _LOGGER.info("job %s ended: %s", self.folder.job_id, outcome.state)
         for leftover in self.folder.path.glob("staging-*"):
             # Of attempts whose worker died; one that still runs finds its token stale.
             shutil.rmtree(leftover, ignore_errors=True)

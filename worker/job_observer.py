@@ -7,6 +7,7 @@ from enum import StrEnum
 
 from redis.exceptions import RedisError
 
+from jobs import log_context
 from jobs.errors import StaleToken
 from jobs.records import JobRecords
 from schemas.job import Progress, Stage
@@ -62,7 +63,7 @@ class JobObserver:
         last_of_stage = self._untold if is_new_stage else None
         self._untold = None
         self._tell_at_s = now_s + _TELL_EVERY_S
-        self._stage = progress.stage
+        self._stage = log_context.current().stage = progress.stage
         try:
             for told in filter(None, (last_of_stage, progress)):
                 self._records.advanced(self._lease.job_id, self._lease.token, told)

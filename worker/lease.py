@@ -3,6 +3,7 @@
 import logging
 import threading
 import time
+from contextvars import copy_context
 from types import TracebackType
 
 from redis.exceptions import RedisError
@@ -26,7 +27,13 @@ class Lease:
         self._lease_s = lease_s
         self._lost = threading.Event()
         self._closed = threading.Event()
-        self._thread = threading.Thread(target=self._keep, name=f"lease-{job_id}", daemon=True)
+        self._thread = threading.Thread(
+            # What it logs is about the same attempt.
+            target=copy_context().run,
+            args=(self._keep,),
+            name=f"lease-{job_id}",
+            daemon=True,
+        )
 
     def __enter__(self) -> "Lease":
         self._thread.start()

@@ -28,9 +28,13 @@ class StageClock:
 
     def timings_s(self) -> dict[str, float]:
         """Seconds spent in each stage up to now, and `total`."""
-        self._close()
-        timings = {stage.value: round(seconds, 3) for stage, seconds in self._seconds.items()}
+        timings = {stage.value: seconds for stage, seconds in self.stage_s().items()}
         return {**timings, "total": round(self._since_s - self._started_s, 3)}
+
+    def stage_s(self) -> dict[Stage, float]:
+        """Seconds spent in each stage up to now."""
+        self._close()
+        return {stage: round(seconds, 3) for stage, seconds in self._seconds.items()}
 
     def _close(self) -> None:
         now_s = self._now_s()

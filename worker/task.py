@@ -1,21 +1,28 @@
-"""The one Celery task: a message names a job, and one attempt is made on it."""
+"""The task that is a job: a message names it, and one attempt is made on it."""
 
 from functools import cache, partial
+from typing import Any
 
+from jobs import log_context
+from jobs.log_context import LogContext
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore
+from jobs.trace_context import TraceContext
 from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
 from worker import shutdown_flag
 from worker.app import app, settings
 from worker.attempt import Desk, attempt
 
 
-@app.task(name=RECONSTRUCT_TASK)  # type: ignore[untyped-decorator]  # celery ships no types
-def reconstruct(**message: str) -> None:
+@app.task(name=RECONSTRUCT_TASK, bind=True)  # type: ignore[untyped-decorator]  # celery ships no types
+def reconstruct(task: Any, **message: str) -> None:
     """Make one attempt on the job that the message names."""
-    attempt(ReconstructMessage.model_validate(message).job_id, _desk())
+    job_id = ReconstructMessage.model_validate(message).job_id
+    traceparent = (task.request.headers or {}).get("traceparent")
+    log_context.enter(LogContext(job_id=job_id, trace=TraceContext.parsed(traceparent)))
+    attempt(job_id, _desk())
 
 
 @cache

@@ -32,13 +32,19 @@ def healthz() -> Alive:
 
 @router.get("/readyz", responses=problems(503))
 def readyz(access: Access) -> Ready:
-    """Whether a job sent now would be taken and done; if not, the problem lists what is missing."""
+    """Whether a job sent now would be taken and done; if not, the problem lists what is missing.
+
+    A worker has to show it: by a heartbeat that it took from the queue and finished within the last
+    minute, store included, or by a job that it holds.
+    """
     missing: list[ProblemPart] = []
     workers: list[str] = []
     try:
         workers = access.live_workers()
         if not workers:
             missing.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
+        elif not access.is_work_done():
+            missing.append(ProblemPart(pointer="workers", detail=_no_heartbeat(access)))
     except RedisError as error:
         detail = f"Redis does not answer ({type(error).__name__})"
         missing.append(ProblemPart(pointer="redis", detail=detail))
@@ -56,3 +62,10 @@ def readyz(access: Access) -> Ready:
 
 def _no_worker(access: JobAccess) -> str:
     return f"no worker said in {access.settings.worker_alive_s:g} s that it is alive"
+
+
+def _no_heartbeat(access: JobAccess) -> str:
+    return (
+        f"workers say that they are alive, and none finished a heartbeat in "
+        f"{access.settings.heartbeat_within_s:g} s; see their log"
+    )

@@ -66,6 +66,12 @@ def test_one_subject_through_a_server_that_asks_for_keys(
     assert job["state"] == "succeeded"
     assert (tmp_path / "out" / "ED_lv_endo.stl").exists()
 
+    address = f"{url}/v1/jobs/{job['id']}"
+    refused = neuralmri("rerun", address, "--retry-within", "0")
+    assert (refused.returncode, "asks for an API key" in refused.stderr) == (2, True)
+    again = neuralmri("rerun", address, "--api-key", token)
+    assert again.returncode == 0, again.stdout + again.stderr
+
     stranger = {"X-API-Key": new_key(server.data_dir, "theirs")}
     assert httpx.get(f"{url}/v1/jobs/{job['id']}", headers=stranger).status_code == 404
     mine = {"X-API-Key": token}

@@ -35,3 +35,13 @@ def test_slots_are_those_of_live_workers(redis: Redis) -> None:
     time.sleep(0.5)
     workers.heartbeat("b@host", slots=3)
     assert workers.slots(within_s=0.4) == 3
+
+
+def test_a_finished_heartbeat_ages(redis: Redis) -> None:
+    workers = LiveWorkers(redis)
+    assert workers.heartbeat_finished_ago_s() is None
+    workers.finished_heartbeat()
+    time.sleep(0.2)
+    ago_s = workers.heartbeat_finished_ago_s()
+    assert ago_s is not None
+    assert 0.2 <= ago_s < 2.0

@@ -9,7 +9,7 @@ from jobs.celery_settings import celery_settings
 from jobs.queue import JobQueue
 from jobs.redis_client import make_redis
 from jobs.settings import JobSettings
-from schemas.messages import ReconstructMessage
+from schemas.messages import HEARTBEAT_QUEUE, ReconstructMessage
 from schemas.problem import InternalError, ProblemType
 from tests.redis_server import RedisServer
 
@@ -79,3 +79,10 @@ def test_no_message_comes_back_while_its_task_may_run() -> None:
 def test_limits_out_of_order_are_refused() -> None:
     with pytest.raises(ValueError, match="below hard_time_limit_s"):
         JobSettings(soft_time_limit_s=100, hard_time_limit_s=100)
+
+
+def test_heartbeats_wait_apart_from_jobs_and_do_not_pile_up(queue: JobQueue, redis: Redis) -> None:
+    for _ in range(3):
+        queue.ask_for_heartbeat()
+    assert redis.llen(HEARTBEAT_QUEUE) == 1
+    assert (queue.depth(), queue.waiting()) == (0, set())

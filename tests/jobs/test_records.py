@@ -269,7 +269,8 @@ def test_forgetting_leaves_no_trace(records: JobRecords, redis: Redis, job_id: s
     records.forget(job_id)
     records.forget(job_id)
     assert records.get(job_id) is None
-    assert redis.keys("*") == []
+    (tallies,) = redis.keys("*")
+    assert job_id not in str(redis.hgetall(tallies))
 
 
 def pages(records: JobRecords, state: JobState | None, limit: int) -> list[JobPage]:
@@ -314,3 +315,11 @@ def test_pages_are_stable_while_jobs_come_and_go(
     second = records.page(ANONYMOUS, limit=3, cursor=first.next_cursor)
     assert [job.id for job in second.jobs] == [requests[2].job_id, requests[0].job_id]
     assert second.next_cursor is None
+
+
+def test_a_job_is_held_while_its_lease_lives(records: JobRecords, job_id: str) -> None:
+    assert not records.is_any_held()
+    token = claimed(records, job_id)
+    assert records.is_any_held()
+    records.renew(job_id, token, 0.0)
+    assert not records.is_any_held()

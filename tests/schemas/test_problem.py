@@ -26,6 +26,7 @@ def test_the_callers_error_is_rendered() -> None:
         "instance": "/v1/jobs/1",
         "pointer": "/study/frames/0",
         "errors": [{"pointer": "/a", "detail": "b"}],
+        "trace_id": None,
     }
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import httpx
 import pytest
 import uvicorn
+from redis import Redis
 
 from jobs.live_workers import LiveWorkers
 from jobs.records import JobRecords
@@ -33,6 +34,7 @@ class Api:
     store: JobStore
     records: JobRecords
     workers: LiveWorkers
+    redis: Redis
 
 
 def _settings(redis_server: RedisServer, data_dir: Path) -> ServiceSettings:
@@ -69,6 +71,7 @@ def serving(settings: ServiceSettings) -> Iterator[Api]:
                 JobStore(settings.jobs_dir),
                 JobRecords(redis),
                 LiveWorkers(redis),
+                redis,
             )
     finally:
         server.should_exit = True

@@ -45,10 +45,12 @@ def test_who_did_what_to_which_job(keyed: Api) -> None:
     again = {**mine, "If-None-Match": etag}
     assert keyed.client.get(f"{here}/artifacts/ED_lv_endo.stl", headers=again).status_code == 304
     keyed.client.get(f"{here}/report", headers=mine)
+    keyed.client.get(f"{here}/request", headers=mine)
     keyed.client.post(f"{here}/cancel", headers=mine)
     keyed.client.delete(here, headers=mine)
     assert [said(entry) for entry in lines(keyed, "done")] == [
         (key_id, "ours", "submit", job_id, 202),
+        (key_id, "ours", "download", job_id, 200),
         (key_id, "ours", "download", job_id, 200),
         (key_id, "ours", "download", job_id, 200),
         (key_id, "ours", "cancel", job_id, 200),

@@ -1,21 +1,56 @@
 import re
+import time
+from collections.abc import Callable
 
 import pytest
+from redis import Redis
 
 from schemas.problem import ProblemType
+from service.settings import ServiceSettings
 from tests.service.conftest import Api
+from tests.service.jobs_done import claim
 from tests.service.test_jobs import problem_of, submitted
 
 
 def test_readiness_needs_a_live_worker(api: Api) -> None:
     problem = problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
     assert [part.pointer for part in problem.errors] == ["workers"]
-    api.workers.heartbeat("worker@test")
+    alive(api)
     assert api.client.get("/readyz").json() == {"status": "ready", "workers": ["worker@test"]}
 
 
-def test_readiness_needs_a_store(api: Api) -> None:
+def test_readiness_needs_a_worker_that_does_what_it_takes(api: Api) -> None:
     api.workers.heartbeat("worker@test")
+    problem = problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
+    assert [part.pointer for part in problem.errors] == ["workers"]
+    assert "none finished a heartbeat" in problem.detail
+    assert value(api, "neuralmri_work_done") == 0.0
+
+    token = claim(api.records, submitted(api))
+    assert token
+    assert api.client.get("/readyz").is_success, "every worker is at a job"
+    assert value(api, "neuralmri_work_done") == 1.0
+
+
+def test_a_heartbeat_finished_long_ago_proves_nothing(
+    settings: ServiceSettings, serve: Callable[[ServiceSettings], Api], redis: Redis
+) -> None:
+    api = serve(settings.model_copy(update={"worker_alive_s": 0.2}))
+    alive(api)
+    assert api.client.get("/readyz").is_success
+    time.sleep(0.5)
+    api.workers.heartbeat("worker@test")
+    problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
+
+
+def alive(api: Api) -> None:
+    """A worker that said so and has shown it."""
+    api.workers.heartbeat("worker@test")
+    api.workers.finished_heartbeat()
+
+
+def test_readiness_needs_a_store(api: Api) -> None:
+    alive(api)
     api.store.root.rmdir()
     problem = problem_of(api.client.get("/readyz"), 503, ProblemType.UNAVAILABLE)
     assert [part.pointer for part in problem.errors] == ["store"]

@@ -102,5 +102,6 @@ def test_the_service_starts_without_redis(
     assert api.client.get("/healthz").status_code == 200
     own_redis.start()
     api.workers.heartbeat("worker@test")
+    api.workers.finished_heartbeat()
     ready = api.client.get("/readyz")
     assert (ready.status_code, ready.json()["workers"]) == (200, ["worker@test"])

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from schemas.messages import RECONSTRUCT_QUEUE, RECONSTRUCT_TASK
+from schemas.messages import HEARTBEAT_TASK, RECONSTRUCT_QUEUE, RECONSTRUCT_TASK
 
 ASK = """
 import json, sys
@@ -15,7 +15,7 @@ from worker.app import app
 app.loader.import_default_modules()
 print(json.dumps({
     "conf": {name: app.conf[name] for name in sys.argv[1:]},
-    "tasks": [name for name in app.tasks if not name.startswith("celery.")],
+    "tasks": sorted(name for name in app.tasks if not name.startswith("celery.")),
     "loaded": sorted({name.partition(".")[0] for name in sys.modules}),
 }))
 """
@@ -44,10 +44,10 @@ def parent() -> dict[str, object]:
     return said
 
 
-def test_it_knows_the_one_task_by_the_name_that_the_service_sends(
+def test_it_knows_its_tasks_by_the_names_that_are_sent(
     parent: dict[str, object],
 ) -> None:
-    assert parent["tasks"] == [RECONSTRUCT_TASK]
+    assert parent["tasks"] == [HEARTBEAT_TASK, RECONSTRUCT_TASK]
 
 
 def test_it_loads_no_arithmetic_that_a_fork_would_break(parent: dict[str, object]) -> None:

@@ -4,6 +4,7 @@ What is computed is a parameter of an attempt, so these computations are the cat
 """
 
 import errno
+import json
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
@@ -11,16 +12,21 @@ from pathlib import Path
 
 import pytest
 from celery.exceptions import SoftTimeLimitExceeded
+from redis import Redis
 
-from jobs import ending
+from jobs import ending, log_context
 from jobs.claim import Refusal
 from jobs.folder import JobFolder
+from jobs.log_context import LogContext
 from jobs.queue import JobQueue
 from jobs.reconcile import reconcile
 from jobs.records import JobRecords
 from jobs.store import JobStore
+from jobs.submission import submit
+from jobs.trace_context import TraceContext
 from schemas.artifacts import Manifest
-from schemas.job import Job, JobState, Progress, Stage
+from schemas.job import Job, JobKind, JobState, Priority, Progress, Stage
+from schemas.messages import QUEUES, JobRequest
 from schemas.problem import Fault, InputError, ProblemType
 from schemas.vocabulary import Axes
 from tests.redis_server import RedisServer
@@ -214,6 +220,33 @@ def test_a_closing_worker_hands_the_job_back_and_another_does_it(
 
     attempt(folder.job_id, desk(good))
     assert known(records, folder).state is JobState.SUCCEEDED
+
+
+def test_a_job_that_is_handed_back_keeps_its_priority_and_its_trace(
+    store: JobStore, records: JobRecords, queue: JobQueue, desk: MakeDesk, redis: Redis
+) -> None:
+    request = JobRequest(
+        job_id=store.new_id(),
+        kind=JobKind.CONTOURS,
+        created_at=datetime.now(UTC),
+        priority=Priority.BATCH,
+    )
+    log_context.enter(LogContext(trace=TraceContext.begun()))
+    job = submit(store, records, queue, request, {})
+    sent = redis.rpop(QUEUES[Priority.BATCH])
+    log_context.enter(LogContext(job_id=job.id))
+
+    attempt(job.id, desk(until_stopped, is_shutting_down=lambda: True))
+
+    handed_back = redis.rpop(QUEUES[Priority.BATCH])
+    assert isinstance(sent, str)
+    assert isinstance(handed_back, str)
+    headers = [json.loads(message)["headers"] for message in (sent, handed_back)]
+    assert headers[0]["id"] == headers[1]["id"] == job.id
+    assert headers[0]["traceparent"] == headers[1]["traceparent"]
+    assert job.trace_id
+    assert job.trace_id in headers[1]["traceparent"]
+    assert queue.depth() == 0
 
 
 def test_a_cancellation_wins_over_a_closing_worker(
