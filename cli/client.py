@@ -130,7 +130,9 @@ class Client:
         if last_event_id:
             headers["Last-Event-ID"] = last_event_id
         try:
-            with self._http.stream("GET", f"/v1/jobs/{job_id}/events", headers=headers) as response:
+            with self._http.stream(
+                "GET", f"{_address(job_id)}/events", headers=headers
+            ) as response:
                 if response.status_code == httpx.codes.NO_CONTENT:
                     return
                 media_type = response.headers.get("content-type", "").partition(";")[0]

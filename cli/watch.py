@@ -6,16 +6,25 @@ import typer
 
 from cli.console import say
 from cli.exit_code import exit_code
+from cli.server_arguments import (
+    DEFAULT_RETRY_WITHIN_S,
+    LOCAL_SERVER,
+    ApiKeyText,
+    JobId,
+    RetryWithin,
+    ServerUrl,
+    connected,
+)
 from schemas.event import JobEvent
 from schemas.job import Job
 from schemas.problem import ServiceError
 
 
 def watch(
-    job_id: Annotated[str, typer.Argument(metavar="JOB", help="The id of the job.")],
-    server: Annotated[
-        str, typer.Option(envvar="NEURALMRI_URL", help="Where the service is.")
-    ] = "http://127.0.0.1:8000",
+    job_id: JobId,
+    server: ServerUrl = LOCAL_SERVER,
+    api_key: ApiKeyText = None,
+    retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
     as_json: Annotated[
         bool, typer.Option("--json", help="Print one line of JSON for each event.")
     ] = False,
@@ -24,13 +33,12 @@ def watch(
 
     Lost connections are made anew. Exit code as of `submit --wait`.
     """
-    from cli.client import Client
     from cli.following import follow
     from cli.progress import progress_bar
     from cli.server_errors import ended_badly
     from cli.summary import print_summary
 
-    with Client(server) as client:
+    with connected(server, api_key, retry_within) as client:
         try:
             with progress_bar(job_id[:8], quiet=as_json) as bar:
 

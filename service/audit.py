@@ -97,6 +97,7 @@ def _outcome(status: int) -> AuditOutcome:
 
 
 def _job_id(scope: Scope, headers: Headers) -> str | None:
-    """The job in the address, or the one that was made. Nothing that a caller made up."""
-    named = scope.get("path_params", {}).get("job_id") or headers.get("location", "")[-32:]
+    """The job that was made, or the one in the address. Nothing that a caller made up."""
+    made = headers.get("location", "")[-32:]
+    named = made if is_job_id(made) else scope.get("path_params", {}).get("job_id", "")
     return named if is_job_id(named) else None

@@ -29,10 +29,12 @@ def cors(origins: Collection[str]) -> dict[str, Any]:
         "allow_headers": (
             *("Authorization", "X-API-Key", "Content-Type", "Idempotency-Key"),
             *("If-None-Match", "If-Range", "Range", "Last-Event-ID"),
+            *("Prefer", "traceparent", "tracestate"),
         ),
         "expose_headers": (
             *("Location", "Retry-After", "ETag", "Content-Disposition", "Content-Range"),
-            *("Accept-Ranges", "Allow"),
+            *("Accept-Ranges", "Allow", "WWW-Authenticate"),
+            *("Idempotency-Replayed", "Preference-Applied"),
         ),
         "max_age": 600,
     }

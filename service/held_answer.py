@@ -5,7 +5,7 @@ No thread waits: the route has returned, and the files that came with a submissi
 
 import asyncio
 from collections.abc import Callable, Coroutine
-from contextlib import suppress
+from http import HTTPStatus
 from typing import Annotated, Any
 
 from fastapi import Depends, Response
@@ -15,6 +15,7 @@ from starlette.types import Receive, Scope, Send
 
 from jobs.cancelled_tasks import end_tasks
 from schemas.job import Job
+from schemas.problem import InputError
 from service.access import Access, JobAccess
 from service.listening import Listeners, Listening
 from service.prefer import Prefer, preferred_wait_s
@@ -31,10 +32,12 @@ JobAnswer = Callable[[Job, Response, int], Job | Response]
 
 
 class HeldAnswer(Response):
-    """The job as it is once it has ended, or once the time is up. Whoever hangs up ends the wait.
+    """The job as it is once it has ended, or once the time is up. Whoever hangs up ends the wait:
+    nobody reads the answer then, but audit, log and metrics see what it would have been.
 
-    Where Redis fails meanwhile the job is told as it was: what was accepted is accepted. Where too
-    many wait already, nothing is held, and the answer does not say that it was.
+    Where Redis fails meanwhile, or a job that was just accepted is erased, it is told as it was:
+    what was accepted is accepted. Where too many wait already, nothing is held, and the answer does
+    not say that it was.
     """
 
     def __init__(
@@ -53,11 +56,10 @@ class HeldAnswer(Response):
         if not self._listening.is_full:
             with self._listening.place():
                 waiting = self._listening.until_ended(job.id, self._wait_s)
-                if not await _ends_before_hang_up(waiting, receive):
-                    return
-            headers["Preference-Applied"] = f"wait={self._wait_s}"
-            with suppress(RedisError):
-                job = await run_in_threadpool(self._access.job, job.id)
+                stayed = await _ends_before_hang_up(waiting, receive)
+            if stayed:
+                headers["Preference-Applied"] = f"wait={self._wait_s}"
+                job = await self._now()
         if job.state.is_terminal:
             headers.pop("retry-after", None)
         answer = Response(
@@ -67,6 +69,16 @@ class HeldAnswer(Response):
             media_type="application/json",
         )
         await answer(scope, receive, send)
+
+    async def _now(self) -> Job:
+        try:
+            return await run_in_threadpool(self._access.job, self._job.id)
+        except RedisError:
+            return self._job
+        except InputError:
+            if self._announced.status_code == HTTPStatus.ACCEPTED:
+                return self._job
+            raise
 
 
 def job_answer(access: Access, listening: Listeners, prefer: Prefer = None) -> JobAnswer:

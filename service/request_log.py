@@ -47,7 +47,7 @@ class RequestLog:
         finally:
             method, route = method_and_route(scope)
             asked = scope.get("path_params", {}).get("job_id", "")
-            if is_job_id(asked):
+            if is_job_id(asked) and context.job_id is None:
                 context.job_id = asked
             fields = {
                 "method": method,

@@ -14,11 +14,14 @@ from schemas.job import Job
 from schemas.messages import JobRequest
 from schemas.restart import RestartedOptions, RestartRequest, changed_options
 from service.acceptance import accept
-from service.access import Access, Owner
+from service.access import Access
 from service.documented import problems
+from service.form_upload import FormUpload
+from service.held_answer import Answer
 from service.media_type import require_media_type
 from service.problems import NotReadyError
 from service.submission_answers import SUBMISSION
+from service.submission_terms import Terms
 
 router = APIRouter(tags=["jobs"])
 
@@ -47,6 +50,7 @@ async def _change(request: Request, access: Access) -> RestartRequest:
 @router.post(
     "/v1/jobs/{job_id}/restart",
     status_code=202,
+    response_model=Job,
     responses={**SUBMISSION, **problems(400, 404, 409, 413, 415, 422, 503, 507)},
     openapi_extra=_BODY,
 )
@@ -54,13 +58,15 @@ def restart_job(
     job_id: str,
     change: Annotated[RestartRequest, Depends(_change)],
     access: Access,
-    owner: Owner,
+    terms: Terms,
     response: Response,
-) -> Job:
+    answer: Answer,
+) -> Job | Response:
     """Do an ended job anew, as a new job, from the inputs that are stored: nothing is sent again.
 
     The job itself stays as it is. Options that the body names replace the job's; of a group, those
     that it names within the group. With another preset, what the old one had filled in changes.
+    Whoever asks, the new job belongs to the owner of the old one.
     """
     folder = access.folder(job_id)
     if folder.outcome() is None:
@@ -73,10 +79,16 @@ def restart_job(
     limits = access.settings.limits()
     named = json.dumps({"options": changed_options(options_of(old), change)}).encode()
     options = parse_json(named, RestartedOptions, limits).options
-    request = again(old, access.store.new_id(), options)
+    change_of = json.dumps({"restarted_from": job_id, "options": change.options}).encode()
+    request = again(old, access.store.new_id(), options).model_copy(
+        update={
+            "priority": terms.priority,
+            "idempotency": terms.idempotency(old.kind, FormUpload(change_of)),
+        }
+    )
     _judge(request, limits)
     inputs = stored_inputs(folder, old)
-    return accept(access, request, inputs, owner, response)
+    return answer(accept(access, request, inputs, old.owner, response), response, 202)
 
 
 def _judge(request: JobRequest, limits: Limits) -> None:

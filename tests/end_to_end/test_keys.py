@@ -66,6 +66,10 @@ def test_one_subject_through_a_server_that_asks_for_keys(
     assert job["state"] == "succeeded"
     assert (tmp_path / "out" / "ED_lv_endo.stl").exists()
 
+    watched = neuralmri("watch", job["id"], "--server", url, "--json", NEURALMRI_API_KEY=token)
+    assert watched.returncode == 0, watched.stderr
+    assert json.loads(watched.stdout.splitlines()[-1])["data"]["state"] == "succeeded"
+
     address = f"{url}/v1/jobs/{job['id']}"
     refused = neuralmri("rerun", address, "--retry-within", "0")
     assert (refused.returncode, "asks for an API key" in refused.stderr) == (2, True)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from schemas.api_key import Scope
@@ -16,6 +17,7 @@ from service.settings import ServiceSettings
 from tests.service.callers import Serve, bearer, new_key, submit_as
 from tests.service.conftest import Api
 from tests.service.jobs_done import finish
+from tests.service.test_events import wait_until
 
 SUBJECT = "Doe.Jane-1961"
 
@@ -149,3 +151,28 @@ def test_files_are_private(keyed: Api) -> None:
     data_dir: Path = keyed.settings.data_dir
     made = [p for p in data_dir.rglob("*") if "jobs" not in p.parts and p.is_file()]
     assert {oct(path.stat().st_mode & 0o777) for path in made} == {"0o600"}
+
+
+def test_a_restart_is_told_of_by_the_job_that_it_made_whoever_asks(keyed: Api) -> None:
+    """An operator does a caller's job anew: it stays the caller's."""
+    _, token = new_key(keyed.settings.data_dir, "ours")
+    admin_id, admin = new_key(keyed.settings.data_dir, "operators", Scope.ADMIN)
+    old = submit_as(keyed, token)
+    finish(keyed.store, keyed.records, old, JobState.SUCCEEDED)
+    made = keyed.client.post(f"/v1/jobs/{old}/restart", headers=bearer(admin)).json()["id"]
+    assert said(lines(keyed, "done")[-1]) == (admin_id, "operators", "submit", made, 202)
+    assert keyed.client.get(f"/v1/jobs/{made}", headers=bearer(token)).status_code == 200
+    assert keyed.store.folder(made).owner() == "ours"
+
+
+def test_who_hangs_up_while_the_answer_is_held_has_submitted_all_the_same(api: Api) -> None:
+    with pytest.raises(httpx.ReadTimeout):
+        api.client.post(
+            "/v1/jobs/contours",
+            json=CONTOUR_REQUEST,
+            headers={"Prefer": "wait=30"},
+            timeout=httpx.Timeout(10.0, read=1.0),
+        )
+    wait_until(lambda: bool(lines(api, "done")))
+    (job_id,) = api.records.ids()
+    assert [said(entry)[2:] for entry in lines(api, "done")] == [("submit", job_id, 202)]

@@ -40,7 +40,7 @@ def test_it_is_off_by_default(api: Api) -> None:
 
 @pytest.mark.parametrize("method", ["GET", "POST", "DELETE"])
 def test_a_listed_origin_may_ask_and_read(open_api: Api, method: str) -> None:
-    headers = preflight(VIEWER, method, "content-type, idempotency-key, range")
+    headers = preflight(VIEWER, method, "content-type, idempotency-key, prefer, range, traceparent")
     asked = open_api.client.options("/v1/jobs/contours", headers=headers)
     assert asked.status_code == 200
     assert asked.headers["access-control-allow-origin"] == VIEWER

@@ -179,3 +179,19 @@ def test_what_was_accepted_stays_accepted_while_redis_is_away(
     assert answer.status_code == 200
     assert answer.json()["state"] == "queued"
     assert took_s < 6.0
+
+
+def test_what_was_accepted_and_then_erased_was_accepted(api: Api) -> None:
+    def erase_it() -> None:
+        wait_until(lambda: bool(api.records.ids()))
+        time.sleep(0.3)
+        assert api.client.delete(f"/v1/jobs/{api.records.ids()[0]}").status_code == 204
+
+    with ThreadPoolExecutor(1) as other:
+        erasing = other.submit(erase_it)
+        answer = api.client.post(
+            "/v1/jobs/contours", json=CONTOUR_REQUEST, headers={"Prefer": "wait=3"}
+        )
+        erasing.result()
+    assert answer.status_code == 202
+    assert answer.headers["location"] == answer.json()["links"]["self"]

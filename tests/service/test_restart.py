@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import Any
 
+import httpx
 import pytest
 
 from schemas.job import JobState
@@ -174,3 +175,21 @@ def test_only_json_changes_options(api: Api) -> None:
         address, content='{"options": ', headers={"Content-Type": "application/json"}
     )
     problem_of(broken, 400, ProblemType.MALFORMED_JSON)
+
+
+def test_one_key_makes_one_restart(api: Api) -> None:
+    old = ended(api, submitted(api))
+
+    def asked(key: str, seed: int) -> httpx.Response:
+        return api.client.post(
+            f"/v1/jobs/{old}/restart",
+            json={"options": {"seed": seed}},
+            headers={"Idempotency-Key": key, "Prefer": "wait=0"},
+        )
+
+    first, again, other = asked("a", 1), asked("a", 1), asked("b", 1)
+    assert [answer.status_code for answer in (first, again, other)] == [202, 202, 202]
+    assert first.headers["preference-applied"] == "wait=0"
+    assert again.headers["idempotency-replayed"] == "true"
+    assert first.json()["id"] == again.json()["id"] != other.json()["id"]
+    assert asked("a", 2).json()["type"].endswith("idempotency-key-reused")
