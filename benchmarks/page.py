@@ -59,7 +59,8 @@ def _holdout(left_out: HoldoutResults | None) -> str:
     times = median(row.times_plain_fit for row in left_out.surfaces)
     cost = f"Leaving out every slice took {times:.1f} times a plain reconstruction (median)."
     rows = folded("Every surface", holdout.by_surface(left_out))
-    return "\n\n".join([holdout.in_short(left_out), cost, rows])
+    where = f"Measured, two cases at a time, on: {_environment(left_out.environment)}"
+    return "\n\n".join([holdout.in_short(left_out), cost, where, rows])
 
 
 def _figures(plots: dict[str, str]) -> dict[str, str]:

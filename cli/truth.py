@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 
 from schemas.labels import LabelScheme
+from schemas.surface_name import SurfaceName
 from schemas.vocabulary import Axes, View
-from worker.artifacts.frame_report import mesh_name
 from worker.phantom.analytic_heart import heart
 from worker.phantom.label_map import write_label_maps
 from worker.surface_mesh import SurfaceMesh
@@ -22,7 +22,9 @@ def phantom_truth(phases: Mapping[str, float], axes: Axes) -> Truth:
     """The phantom's surfaces at each of `phases` (frame label -> phase), in `axes`."""
     # Two axes change their sign at once, which is a rotation: the surfaces still face outward.
     return {
-        mesh_name(label, structure): SurfaceMesh(mesh.vertices_mm * _LPS_TO[axes], mesh.faces)
+        str(SurfaceName(label, structure)): SurfaceMesh(
+            mesh.vertices_mm * _LPS_TO[axes], mesh.faces
+        )
         for label, phase in phases.items()
         for structure, mesh in heart(phase).meshes().items()
     }

@@ -95,7 +95,7 @@ class SurfaceReport(WireModel):
     )
     held_out_mm: DistanceSummary | None = Field(
         description="Distances from every slice's contours to the surface fitted without that "
-        "slice, mm: an upper estimate of the error between slices, for the gap is twice as wide. "
+        "slice, mm: usually more than the error between slices, for the gap is twice as wide. "
         "null unless `holdout` was asked for."
     )
     held_out_by_view_mm: dict[ViewKind, DistanceSummary] = Field(

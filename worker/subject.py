@@ -16,7 +16,7 @@ from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
-from worker.artifacts.frame_report import mesh_name
+from schemas.surface_name import SurfaceName
 from worker.artifacts.manifest import describe
 from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
@@ -125,7 +125,7 @@ def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
 def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: str | None) -> None:
     for frame in measured.frames:
         for structure, surface in frame.surfaces.items():
-            name = mesh_name(frame.label, structure)
+            name = str(SurfaceName(frame.label, structure))
             for form in dict.fromkeys(options.formats):
                 path = out_dir / f"{name}.{form}"
                 axes = measured.report.axes

@@ -7,6 +7,7 @@ from schemas.frame_report import FrameReport, LevelReport, LossCurves
 from schemas.measures import DistanceSummary
 from schemas.options import Base, Options
 from schemas.reference_report import ReferenceReport
+from schemas.surface_name import SurfaceName
 from schemas.vocabulary import Structure
 from worker.arrays import SomeScalars, Vector
 from worker.artifacts.evidence import aligned_outlines
@@ -38,11 +39,6 @@ _DIGITS = 6
 """Of a loss in the report: a float32 has no more."""
 
 Surfaces = Mapping[Structure, SurfaceMesh]
-
-
-def mesh_name(frame_label: str, structure: Structure) -> str:
-    """What a surface is called, as a file and inside it: `ED_lv_endo`."""
-    return f"{frame_label}_{structure}"
 
 
 def measured_frame(
@@ -138,7 +134,7 @@ def _against(
 
 
 def _files(label: str, structure: Structure, options: Options) -> list[str]:
-    return [f"{mesh_name(label, structure)}.{form}" for form in dict.fromkeys(options.formats)]
+    return [f"{SurfaceName(label, structure)}.{form}" for form in dict.fromkeys(options.formats)]
 
 
 def _of(

@@ -5,10 +5,11 @@ from dataclasses import replace
 
 from schemas.options import Base, Options
 from schemas.report import Provenance, Report
+from schemas.surface_name import SurfaceName
 from schemas.vocabulary import Structure
 from worker.artifacts.concerns import concerns
 from worker.artifacts.contour_warnings import contour_warnings
-from worker.artifacts.frame_report import measured_frame, mesh_name
+from worker.artifacts.frame_report import measured_frame
 from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
 from worker.artifacts.support_warnings import support_warnings
@@ -72,5 +73,5 @@ def timed(measured: Measured, timings_s: Mapping[str, float]) -> Measured:
 
 
 def _of(fit: FrameFit, references: Mapping[str, SurfaceMesh]) -> dict[Structure, SurfaceMesh]:
-    named = {structure: mesh_name(fit.label, structure) for structure in fit.surfaces}
+    named = {structure: str(SurfaceName(fit.label, structure)) for structure in fit.surfaces}
     return {s: references[name] for s, name in named.items() if name in references}

@@ -35,7 +35,7 @@ half of a fit in all, as `intake.effort` says.
 
 It starts from the field that knew the slice, at the full learning rate, and forgets it: measured,
 its errors are those of a fit from nothing. At a third of the rate it remembers the slice, and its
-errors are about two thirds of those; at a tenth, a third.
+errors are about three quarters of those; at a tenth, a third.
 """
 
 _COARSE_MM = 2.0
