@@ -31,8 +31,7 @@ bind_libraries(settings.threads)
 app = Celery("neuralmri-worker", include=["worker.task", "worker.heartbeat_task"])
 app.conf.update(
     celery_settings(settings),
-    worker_pool="prefork",
-    worker_max_tasks_per_child=settings.max_tasks_per_child,
+    worker_pool="worker.job_pool:JobPool",  # it heeds max_tasks_per_child
     # SIGQUIT's grace; on SIGTERM a job is handed back within a second or so.
     worker_soft_shutdown_timeout=10.0,
     # Control messages and events are broadcasts to everybody on the broker; nobody here needs them.

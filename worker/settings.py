@@ -17,6 +17,6 @@ class WorkerSettings(LimitSettings, JobSettings):
         "changes the last digits of a result.",
     )
     max_tasks_per_child: int = Field(
-        default=20, ge=1, description="Jobs and heartbeats after which a child process is replaced."
+        default=20, ge=1, description="Jobs after which a child process is replaced."
     )
     heartbeat_every_s: float = Field(default=5.0, gt=0.0, le=15.0)

@@ -11,7 +11,7 @@ from jobs.redis_client import make_redis
 from jobs.store import JobStore
 from jobs.trace_context import TraceContext
 from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
-from worker import shutdown_flag
+from worker import shutdown_flag, wear
 from worker.app import app, settings
 from worker.attempt import Desk, attempt
 
@@ -19,6 +19,7 @@ from worker.attempt import Desk, attempt
 @app.task(name=RECONSTRUCT_TASK, bind=True)  # type: ignore[untyped-decorator]  # celery ships no types
 def reconstruct(task: Any, **message: str) -> None:
     """Make one attempt on the job that the message names."""
+    wear.OF_THIS_PROCESS.note_job()
     job_id = ReconstructMessage.model_validate(message).job_id
     traceparent = (task.request.headers or {}).get("traceparent")
     log_context.enter(LogContext(job_id=job_id, trace=TraceContext.parsed(traceparent)))

@@ -1,7 +1,6 @@
 """The worker's parent process as Celery makes it, asked in a fresh interpreter."""
 
 import json
-import os
 import subprocess
 import sys
 
@@ -38,7 +37,6 @@ def parent() -> dict[str, object]:
         capture_output=True,
         text=True,
         check=True,
-        env={**os.environ, "NEURALMRI_MAX_TASKS_PER_CHILD": "7"},
     )
     said: dict[str, object] = json.loads(ended.stdout)
     return said
@@ -61,8 +59,8 @@ def test_its_settings_lose_no_job(parent: dict[str, object]) -> None:
         "task_acks_late": True,
         "task_reject_on_worker_lost": True,
         "worker_prefetch_multiplier": 1,
-        "worker_max_tasks_per_child": 7,
-        "worker_pool": "prefork",
+        "worker_max_tasks_per_child": None,  # it would count heartbeats: see worker/job_pool.py
+        "worker_pool": "worker.job_pool:JobPool",
         "accept_content": ["json"],
         "task_default_queue": RECONSTRUCT_QUEUE,
         "worker_enable_remote_control": False,
