@@ -15,6 +15,7 @@ import httpx
 
 from cli.asking_for_keys import asks_for_keys
 from cli.children import Children, python_module
+from cli.outside_redis import wait_for_redis
 from cli.ports import refuse_remote_host, refuse_taken_port
 from cli.private_redis import start_redis
 from schemas.problem import InputError, InternalError, ProblemType
@@ -97,6 +98,8 @@ def running(plan: ServerPlan) -> Iterator[Server]:
 
 def _start(plan: ServerPlan, children: Children) -> None:
     """Redis first and the API last; they are stopped the other way round."""
+    if plan.redis_url:
+        wait_for_redis(plan.redis_url, plan.ready_within_s)
     redis_url = plan.redis_url or start_redis(plan.data_dir / "redis", children)
     env = _environment(plan, redis_url)
     children.start(
