@@ -24,6 +24,7 @@ from tests.service.jobs_done import finish
 from tests.service.test_jobs import problem_of, submitted
 from tests.service.webhooks.receiver import Received, Receiver, Reply
 from tests.service.webhooks.registering import ended_deliveries, register
+from tests.service.webhooks.test_dispatcher import wait_until
 
 ABSENT = "ep_" + "0" * 24
 
@@ -149,6 +150,8 @@ def test_410_disables_and_enabling_sends_what_waits(hooks: Api, receiver: Receiv
     (gone,) = ended_deliveries(hooks, hook["id"])
     assert gone["state"] == "failed"
     here = f"/v1/webhooks/{hook['id']}"
+    # Noted right after what became of the message, and not with it.
+    wait_until(lambda: hooks.client.get(here).json()["disabled_at"] is not None)
     shown = hooks.client.get(here).json()
     assert (shown["disabled_because"], bool(shown["disabled_at"])) == ("it answered 410 Gone", True)
     for refused in (f"{here}/test", f"{here}/deliveries/{gone['id']}/replay"):
