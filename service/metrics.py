@@ -11,7 +11,10 @@ from service.access import JobAccess
 from service.documented import problems
 from service.host_metrics import HostMetrics
 from service.job_metrics import JobMetrics
+from service.readiness_metrics import ReadinessMetrics
 from service.route_template import method_and_route
+from service.webhooks.desk import WebhookDesk
+from service.webhooks.metrics import WebhookMetrics
 
 
 class RequestMetrics:
@@ -58,11 +61,13 @@ class RequestMetrics:
         return watched
 
 
-def metrics_route(registry: CollectorRegistry, access: JobAccess) -> APIRouter:
+def metrics_route(registry: CollectorRegistry, access: JobAccess, desk: WebhookDesk) -> APIRouter:
     """GET /metrics."""
     router = APIRouter(tags=["operation"])
     registry.register(JobMetrics(access))
     registry.register(HostMetrics(access.store.root))
+    registry.register(ReadinessMetrics(access))
+    registry.register(WebhookMetrics(desk.endpoints, desk.outbox, desk.attempts))
 
     @router.get(
         "/metrics",

@@ -1,12 +1,12 @@
 """Whether the service is alive, and whether it can take and finish work."""
 
 from fastapi import APIRouter
-from redis.exceptions import RedisError
 
 from schemas.base import WireModel
-from schemas.problem import InternalError, ProblemPart, ProblemType
-from service.access import Access, JobAccess
+from schemas.problem import InternalError, ProblemType
+from service.access import Access
 from service.documented import problems
+from service.readiness import missing
 
 router = APIRouter(tags=["operation"])
 
@@ -37,35 +37,12 @@ def readyz(access: Access) -> Ready:
     A worker has to show it: by a heartbeat that it took from the queue and finished within the last
     minute, store included, or by a job that it holds.
     """
-    missing: list[ProblemPart] = []
-    workers: list[str] = []
-    try:
-        workers = access.live_workers()
-        if not workers:
-            missing.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
-        elif not access.is_work_done():
-            missing.append(ProblemPart(pointer="workers", detail=_no_heartbeat(access)))
-    except RedisError as error:
-        detail = f"Redis does not answer ({type(error).__name__})"
-        missing.append(ProblemPart(pointer="redis", detail=detail))
-    if not access.store.is_writable():
-        missing.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
-    if missing:
+    lacking = missing(access)
+    if lacking:
         raise InternalError(
             ProblemType.UNAVAILABLE,
-            "; ".join(part.detail for part in missing),
+            "; ".join(part.detail for part in lacking),
             status=503,
-            errors=missing,
+            errors=lacking,
         )
-    return Ready(workers=workers)
-
-
-def _no_worker(access: JobAccess) -> str:
-    return f"no worker said in {access.settings.worker_alive_s:g} s that it is alive"
-
-
-def _no_heartbeat(access: JobAccess) -> str:
-    return (
-        f"workers say that they are alive, and none finished a heartbeat in "
-        f"{access.settings.heartbeat_within_s:g} s; see their log"
-    )
+    return Ready(workers=access.live_workers())

@@ -11,6 +11,7 @@ from functools import partial
 import httpx
 
 from schemas.webhook import DeliveryAttempt
+from service.webhooks.attempt_counts import AttemptCounts
 from service.webhooks.endpoint import Endpoint
 from service.webhooks.endpoints import Endpoints
 from service.webhooks.message import Message
@@ -34,6 +35,7 @@ class Postman:
     endpoints: Endpoints
     outbox: Outbox
     sender: Sender
+    attempts: AttemptCounts
 
     async def deliver(self, endpoint_id: str, message_id: str) -> None:
         """Try once. Where what came of it cannot be noted, it is tried again, under the same id."""
@@ -76,9 +78,11 @@ class Postman:
     ) -> None:
         now = datetime.now(UTC)
         put_off_s = retry_after_s(answer.retry_after if answer else None, now)
-        self.outbox.change(
+        message = self.outbox.change(
             endpoint_id, message_id, partial(self._message_after, attempt, now, put_off_s)
         )
+        if message is not None:
+            self.attempts.note(message)
         endpoint = self.endpoints.change(endpoint_id, partial(self._endpoint_after, attempt, now))
         if attempt.error:
             _LOGGER.info("message %s to %s: %s", message_id, endpoint_id, attempt.error)

@@ -7,6 +7,7 @@ from fastapi import Depends, Request
 
 from schemas.problem import InputError, ProblemType
 from service.settings import ServiceSettings
+from service.webhooks.attempt_counts import AttemptCounts
 from service.webhooks.endpoint import Endpoint
 from service.webhooks.endpoints import Endpoints
 from service.webhooks.outbox import Outbox
@@ -19,11 +20,12 @@ class WebhookDesk:
     settings: ServiceSettings
     endpoints: Endpoints
     outbox: Outbox
+    attempts: AttemptCounts
 
     @classmethod
     def of_settings(cls, settings: ServiceSettings) -> "WebhookDesk":
         endpoints = Endpoints(settings.data_dir / "webhooks")
-        return cls(settings, endpoints, Outbox(endpoints.root))
+        return cls(settings, endpoints, Outbox(endpoints.root), AttemptCounts())
 
     def endpoint(self, endpoint_id: str, owner: str) -> Endpoint:
         """The caller's endpoint. Another's is not there. Raises InputError (not found, 404)."""

@@ -56,7 +56,7 @@ class Dispatcher:
             trust=httpx.create_ssl_context(),
             resolvers=self._resolvers,
         )
-        self._postman = Postman(settings, desk.endpoints, desk.outbox, sender)
+        self._postman = Postman(settings, desk.endpoints, desk.outbox, sender, desk.attempts)
         self._under_way: dict[_Sent, asyncio.Task[None]] = {}
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="webhooks", daemon=True)

@@ -86,3 +86,18 @@ def test_labels_have_few_values_whatever_callers_do(api: Api) -> None:
     label_values = {value for kinds in samples(api).values() for kind in kinds for value in kind}
     assert not {value for value in label_values if "nowhere" in value or "METHOD" in value}
     assert len(samples(api)["neuralmri_http_requests_total"]) < 100
+
+
+def test_readiness_is_said_part_by_part(api: Api) -> None:
+    assert samples(api)["neuralmri_ready"] == {("redis",): 1.0, ("store",): 1.0, ("workers",): 0.0}
+    api.workers.heartbeat("worker@test")
+    assert samples(api)["neuralmri_ready"][("workers",)] == 0.0, "alive, and nothing done"
+    api.workers.finished_heartbeat()
+    assert samples(api)["neuralmri_ready"][("workers",)] == 1.0
+    assert api.client.get("/readyz").is_success
+    api.store.root.rmdir()
+    api.store.root.symlink_to("nowhere")
+    found = samples(api)["neuralmri_ready"]
+    api.store.root.unlink()
+    api.store.root.mkdir()
+    assert found == {("redis",): 1.0, ("store",): 0.0, ("workers",): 1.0}

@@ -1,0 +1,33 @@
+"""What is missing for a job sent now to be taken and done."""
+
+from redis.exceptions import RedisError
+
+from schemas.problem import ProblemPart
+from service.access import JobAccess
+
+
+def missing(access: JobAccess) -> list[ProblemPart]:
+    """Each part that is not ready, named by its pointer: `workers`, `redis`, `store`."""
+    found: list[ProblemPart] = []
+    try:
+        if not access.live_workers():
+            found.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
+        elif not access.is_work_done():
+            found.append(ProblemPart(pointer="workers", detail=_no_heartbeat(access)))
+    except RedisError as error:
+        detail = f"Redis does not answer ({type(error).__name__})"
+        found.append(ProblemPart(pointer="redis", detail=detail))
+    if not access.store.is_writable():
+        found.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
+    return found
+
+
+def _no_worker(access: JobAccess) -> str:
+    return f"no worker said in {access.settings.worker_alive_s:g} s that it is alive"
+
+
+def _no_heartbeat(access: JobAccess) -> str:
+    return (
+        f"workers say that they are alive, and none finished a heartbeat in "
+        f"{access.settings.heartbeat_within_s:g} s; see their log"
+    )
