@@ -1,12 +1,20 @@
 """Settings that service and worker share, from the environment: NEURALMRI_REDIS_URL and so on."""
 
+import os
 from pathlib import Path
 from typing import Self
 
 from pydantic import Field, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict
+from pydantic_settings import (
+    BaseSettings,
+    PydanticBaseSettingsSource,
+    SecretsSettingsSource,
+    SettingsConfigDict,
+)
 
 from jobs.logs import LogFormat
+
+SECRETS_DIR = "NEURALMRI_SECRETS_DIR"
 
 
 class JobSettings(BaseSettings):
@@ -52,6 +60,27 @@ class JobSettings(BaseSettings):
     def visibility_timeout_s(self) -> int:
         """When the broker delivers an unacknowledged message again: never while a job may run."""
         return int(self.hard_time_limit_s * 1.1) + 60
+
+    @classmethod
+    def settings_customise_sources(
+        cls,
+        settings_cls: type[BaseSettings],
+        init_settings: PydanticBaseSettingsSource,
+        env_settings: PydanticBaseSettingsSource,
+        dotenv_settings: PydanticBaseSettingsSource,
+        file_secret_settings: PydanticBaseSettingsSource,
+    ) -> tuple[PydanticBaseSettingsSource, ...]:
+        """After the environment, files of the folder in NEURALMRI_SECRETS_DIR, where that is set.
+
+        A file has a variable's name in small letters, `neuralmri_redis_url`, and holds its value.
+        Raises NotADirectoryError where the folder is none.
+        """
+        folder = os.environ.get(SECRETS_DIR)
+        if not folder:
+            return init_settings, env_settings
+        if not Path(folder).is_dir():
+            raise NotADirectoryError(f"{SECRETS_DIR} names no folder: {folder}; mount the secrets")
+        return init_settings, env_settings, SecretsSettingsSource(settings_cls, folder)
 
     @model_validator(mode="after")
     def _limits_are_ordered(self) -> Self:
