@@ -12,6 +12,12 @@ RUN python -m venv --without-pip /opt/neuralmri
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
       --constraint constraints.txt ".[service]"
+# What sends spans to an OpenTelemetry collector, for who wants it: --build-arg OTEL=true
+ARG OTEL=false
+RUN if [ "${OTEL}" = true ]; then \
+      pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
+        --constraint constraints.txt ".[otel]"; \
+    fi
 COPY schemas schemas
 COPY intake intake
 COPY jobs jobs

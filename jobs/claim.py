@@ -28,6 +28,7 @@ class Claim:
     attempt: which attempt this is, from 1.
     started_at: when a worker first started the job.
     traceparent: the trace that the job is part of.
+    waited_s: how long no worker had held it.
     """
 
     token: int | None
@@ -35,6 +36,7 @@ class Claim:
     started_at: datetime | None
     refusal: Refusal | None = None
     traceparent: str | None = None
+    waited_s: float = 0.0
 
     @property
     def granted(self) -> bool:

@@ -51,6 +51,10 @@ class JobRecords:
         record = _read(self._redis, job_id)
         return record.job() if record else None
 
+    def traceparent(self, job_id: str) -> str | None:
+        """The trace context of the request that brought the job; None where it is not known."""
+        return cast(str | None, self._redis.hget(record_key(job_id), "traceparent")) or None
+
     def page(
         self, owner: str, state: JobState | None = None, limit: int = 50, cursor: str | None = None
     ) -> JobPage:
@@ -107,12 +111,14 @@ class JobRecords:
         A cancelling job whose worker died is granted, so that its taker can say it is cancelled.
         """
         why: Refusal | None = None
+        waited_s = 0.0
 
         def step(record: Record | None, now_us: int) -> Record | None:
-            nonlocal why
+            nonlocal why, waited_s
             why = transitions.refusal(record, now_us, max_attempts)
             if record is None or why in (Refusal.ENDED, Refusal.HELD):
                 return record
+            waited_s = max(0, now_us - record.free_from_us) / 1e6
             held = transitions.leased(record, now_us, lease_s)
             return held if why is Refusal.EXHAUSTED else transitions.started(held, now_us)
 
@@ -123,6 +129,7 @@ class JobRecords:
             started_at=record.started_at if record else None,
             refusal=why,
             traceparent=record.traceparent if record else None,
+            waited_s=waited_s,
         )
 
     def renew(self, job_id: str, token: int, lease_s: float) -> bool:

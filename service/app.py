@@ -1,11 +1,13 @@
 """The HTTP API, put together."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from fastapi import Depends, FastAPI
 from starlette.middleware.cors import CORSMiddleware
 
+from jobs import spans
 from service.access import JobAccess
 from service.admission import admit
 from service.audit import Audited
@@ -54,8 +56,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         async with Listening(settings) as app.state.listening:
-            with Reconciler(access), Dispatcher(access, desk):
-                yield
+            try:
+                with Reconciler(access), Dispatcher(access, desk):
+                    yield
+            finally:
+                await asyncio.to_thread(spans.stop)
 
     app = DescribedApi(
         title="neuralmri",

@@ -39,7 +39,12 @@ in_a_checkout = pytest.mark.skipif(not (ROOT / ".git").exists(), reason="not a g
 
 def loaded_by(statement: str) -> set[str]:
     """Top-level modules that a fresh interpreter holds after a statement."""
-    code = f"{statement}\nimport sys\nprint(*{{name.partition('.')[0] for name in sys.modules}})"
+    return {name.partition(".")[0] for name in modules_loaded_by(statement)}
+
+
+def modules_loaded_by(statement: str) -> set[str]:
+    """The same, with their full names."""
+    code = f"{statement}\nimport sys\nprint(*sys.modules)"
     ended = subprocess.run(
         [sys.executable, "-c", code],
         cwd=ROOT,
@@ -159,9 +164,22 @@ def test_what_a_package_imports_is_declared(package: str, extra: str | None) -> 
     undeclared = {
         module
         for module in third_party_imports(package)
-        if not {canonicalize_name(d) for d in distributions.get(module, [])} & declared(extra)
+        if not {canonicalize_name(d) for d in distributions.get(module, [])}
+        & (declared(extra) | (declared("otel") if package == "jobs" else set()))
     }
     assert not undeclared, f"name what provides {undeclared} in pyproject's extra {extra}"
+
+
+def test_what_sends_spans_is_imported_in_one_file_only() -> None:
+    """Most installations lack its extra; the file is loaded where spans are wanted."""
+    importing = {
+        str(path.relative_to(ROOT))
+        for package in PACKAGES
+        for path in (ROOT / package).rglob("*.py")
+        if re.search(r"^\s*(from|import) opentelemetry\b", path.read_text(), re.MULTILINE)
+    }
+    assert importing == {"jobs/span_export.py"}
+    assert "jobs.span_export" not in modules_loaded_by("import service.process, worker.app")
 
 
 def test_every_package_is_installed() -> None:

@@ -13,9 +13,11 @@ from celery.signals import (
     setup_logging,
     worker_init,
     worker_process_init,
+    worker_process_shutdown,
     worker_shutting_down,
 )
 
+from jobs import spans
 from jobs.celery_settings import celery_settings
 from jobs.logs import write_logs
 from worker import shutdown_flag
@@ -25,6 +27,8 @@ from worker.settings import WorkerSettings
 from worker.threads import bind_libraries
 
 settings = WorkerSettings()
+# Here already, where whoever starts the worker reads it.
+spans.require_extra()
 # Before any child loads numpy, which looks at the environment only then.
 bind_libraries(settings.threads)
 
@@ -61,3 +65,9 @@ def _closes(**_: Any) -> None:
 def _child_starts(**_: Any) -> None:
     # A child that outlived its parent would hold a job that nobody can cancel.
     die_with_parent(os.getppid())
+    spans.start("neuralmri-worker")
+
+
+@worker_process_shutdown.connect(weak=False)  # type: ignore[untyped-decorator]
+def _child_ends(**_: Any) -> None:
+    spans.stop()

@@ -27,6 +27,7 @@ from schemas.artifacts import Manifest
 from schemas.job import JobState
 from schemas.messages import Outcome, ReconstructMessage
 from schemas.problem import InputError, InternalError, Problem
+from worker.attempt_spans import AttemptSpans, SpannedObserver
 from worker.failure import problem_of, timed_out, worker_lost
 from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
@@ -67,9 +68,13 @@ def attempt(job_id: str, desk: Desk) -> None:
     context.trace = TraceContext.parsed(claim.traceparent) or context.trace
     _LOGGER.info("job %s: attempt %s begins", job_id, claim.attempt)
     folder = desk.store.folder(job_id)
-    with Lease(desk.records, job_id, claim.token, settings.lease_s) as lease:
+    with (
+        AttemptSpans(job_id, claim, context.trace) as spans,
+        Lease(desk.records, job_id, claim.token, settings.lease_s) as lease,
+    ):
         observer = JobObserver(desk.records, lease, desk.is_shutting_down)
-        ending = _Ending(folder, desk.records, claim, lease, StageClock(observer))
+        clock = StageClock(SpannedObserver(observer, spans))
+        ending = _Ending(folder, desk.records, claim, lease, clock, spans)
         try:
             if folder.manifest() is not None:
                 # An earlier attempt, the last one too, published and died before it could say so.
@@ -144,6 +149,7 @@ class _Ending:
     claim: Claim
     lease: Lease
     clock: StageClock
+    spans: AttemptSpans
 
     def succeeded(self, staging: Path, manifest: Manifest) -> None:
         if not self.lease.confirm():
@@ -173,6 +179,7 @@ class _Ending:
                 stage_s=self.clock.stage_s(),
             )
         )
+        self.spans.outcome = outcome
         try:
             self.records.finished(self.folder.job_id, self.lease.token, outcome)
         except (RedisError, StaleToken) as trouble:

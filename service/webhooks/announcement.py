@@ -6,6 +6,7 @@ before it is there repeats the step, which finds the same messages under the sam
 """
 
 import logging
+from collections.abc import Callable
 from datetime import UTC, datetime
 
 from jobs.durable import sync_folder, write_durably
@@ -25,12 +26,22 @@ _LOGGER = logging.getLogger("neuralmri.webhooks")
 
 
 class Announcer:
-    """Looks for ends of jobs. It remembers those it need not look at again, to save time only."""
+    """Looks for ends of jobs. It remembers those it need not look at again, to save time only.
 
-    def __init__(self, store: JobStore, endpoints: Endpoints, outbox: Outbox) -> None:
+    `traceparent` says which trace a job is part of; where it raises, the step is repeated later.
+    """
+
+    def __init__(
+        self,
+        store: JobStore,
+        endpoints: Endpoints,
+        outbox: Outbox,
+        traceparent: Callable[[str], str | None] = lambda _job_id: None,
+    ) -> None:
         self._store = store
         self._endpoints = endpoints
         self._outbox = outbox
+        self._traceparent = traceparent
         self._settled: set[str] = set()
 
     def announce(self) -> None:
@@ -71,9 +82,11 @@ class Announcer:
         if not told:
             return  # nor will anybody be: who registers later is told of later jobs
         event = JobEvent(f"job.{outcome.state}")
+        traceparent = self._traceparent(folder.job_id)
+        now = datetime.now(UTC)
         for endpoint in told:
             if endpoint.wants(event):
-                message = Message.of_job(endpoint.id, folder.job_id, outcome, datetime.now(UTC))
+                message = Message.of_job(endpoint.id, folder.job_id, outcome, now, traceparent)
                 self._outbox.add(endpoint.id, message)
         try:
             write_durably(folder.path / MARK, b"")

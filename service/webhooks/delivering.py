@@ -10,6 +10,9 @@ from functools import partial
 
 import httpx
 
+from jobs import spans
+from jobs.spans import Span, SpanKind
+from jobs.trace_context import TraceContext
 from schemas.webhook import DeliveryAttempt
 from service.webhooks.attempt_counts import AttemptCounts
 from service.webhooks.endpoint import Endpoint
@@ -71,6 +74,7 @@ class Postman:
             answer=answer.body.decode("utf-8", "replace") if answer else None,
             error=error,
         )
+        _record_span(message, attempt)
         return attempt, answer
 
     def _record(
@@ -112,3 +116,28 @@ class Postman:
         if attempt.status == _GONE:
             return endpoint.disabled(now, "it answered 410 Gone")
         return endpoint.failed(now, self.settings.webhook_disable_after_s)
+
+
+def _record_span(message: Message, attempt: DeliveryAttempt) -> None:
+    """The attempt as part of the job's trace. Its URL is not said: it may hold a secret."""
+    request = TraceContext.parsed(message.traceparent)
+    if request is None:
+        return
+    attributes: dict[str, str | int] = {"neuralmri.webhook.message": message.id}
+    if message.job_id is not None:
+        attributes["neuralmri.job.id"] = message.job_id
+    if attempt.status is not None:
+        attributes["http.response.status_code"] = attempt.status
+    begun_s = attempt.at.timestamp()
+    spans.record(
+        Span(
+            "webhook delivery",
+            request.child(),
+            request.span_id,
+            begun_s,
+            begun_s + attempt.duration_s,
+            SpanKind.CLIENT,
+            attributes,
+            failed=attempt.error is not None,
+        )
+    )

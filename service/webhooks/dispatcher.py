@@ -46,7 +46,9 @@ class Dispatcher:
         self._desk = desk
         self._redis = make_redis(settings.redis_url, settings.redis_timeout_s)
         self._lock = DispatchLock(self._redis, _HOLD_S)
-        self._announcer = Announcer(access.store, desk.endpoints, desk.outbox)
+        self._announcer = Announcer(
+            access.store, desk.endpoints, desk.outbox, access.records.traceparent
+        )
         self._due = DueMessages(desk.outbox, settings.webhook_log)
         self._resolvers = ThreadPoolExecutor(settings.webhook_concurrency, "webhook-names")
         sender = Sender(

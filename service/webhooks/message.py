@@ -29,13 +29,22 @@ class Message(Delivery):
 
     body: the very bytes that are signed and sent, at every attempt.
     tries: attempts since it was made, or sent anew by its owner.
+    traceparent: of the request that brought the job.
     """
 
     body: str
     tries: int = 0
+    traceparent: str | None = None
 
     @classmethod
-    def of_job(cls, endpoint_id: str, job_id: str, outcome: Outcome, now: datetime) -> "Message":
+    def of_job(
+        cls,
+        endpoint_id: str,
+        job_id: str,
+        outcome: Outcome,
+        now: datetime,
+        traceparent: str | None = None,
+    ) -> "Message":
         """That a job has ended. The same job and endpoint give the same id, whoever asks, so that
         a receiver can tell a message that comes twice.
         """
@@ -55,6 +64,7 @@ class Message(Delivery):
             created_at=now,
             next_attempt_at=now,
             body=body.model_dump_json(),
+            traceparent=traceparent,
         )
 
     @classmethod

@@ -171,6 +171,24 @@ def test_a_job_handed_back_is_queued_and_loses_no_attempt(records: JobRecords, j
     assert records.claim(job_id, 30.0, 3).attempt == 1
 
 
+def test_a_claim_says_how_long_nobody_had_held_the_job(records: JobRecords, job_id: str) -> None:
+    time.sleep(0.3)
+    first = records.claim(job_id, 30.0, 3)
+    assert 0.3 <= first.waited_s < 30.0
+    assert first.token is not None
+    time.sleep(0.6)
+    records.released(job_id, first.token)
+    assert records.claim(job_id, 30.0, 3).waited_s < 0.6, "from when it was handed back"
+    assert records.claim(job_id, 30.0, 3).waited_s == 0.0, "it is held"
+
+
+def test_the_trace_of_a_job_is_known(records: JobRecords, request_: JobRequest) -> None:
+    assert records.traceparent(request_.job_id) is None
+    traced = request_.model_copy(update={"traceparent": f"00-{'a' * 32}-{'b' * 16}-01"})
+    records.accepted(traced)
+    assert records.traceparent(request_.job_id) == traced.traceparent
+
+
 def test_claiming_what_is_unknown(records: JobRecords) -> None:
     claim = records.claim("0" * 32, 30.0, 3)
     assert (claim.token, claim.refusal) == (None, Refusal.UNKNOWN)
