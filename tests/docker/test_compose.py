@@ -42,7 +42,7 @@ def setting_names() -> set[str]:
 _KEYS = {
     *("image", "build", "user", "command", "environment", "volumes", "tmpfs", "networks", "ports"),
     *("init", "restart", "read_only", "cap_drop", "security_opt", "logging", "mem_limit"),
-    *("pids_limit", "stop_signal", "stop_grace_period", "depends_on", "healthcheck"),
+    *("cpus", "pids_limit", "stop_signal", "stop_grace_period", "depends_on", "healthcheck"),
 }
 """Keys of a service, as the Compose Specification spells them."""
 
@@ -76,6 +76,7 @@ def test_is_bounded_and_comes_back(name: str) -> None:
     assert service["restart"] == "unless-stopped"
     assert service["init"] is True
     assert service["mem_limit"]
+    assert service["cpus"] > 0
     assert service["pids_limit"] > 0
     assert set(service["logging"]["options"]) == {"max-size", "max-file"}
     health = service["healthcheck"]

@@ -97,7 +97,12 @@ def test_refuses_a_wrong_password(server: Server) -> None:
 
 @pytest.mark.parametrize(
     ("name", "value"),
-    [("appendonly", "yes"), ("appendfsync", "everysec"), ("maxmemory-policy", "noeviction")],
+    [
+        ("appendonly", "yes"),
+        ("appendfsync", "everysec"),
+        ("maxmemory-policy", "noeviction"),
+        ("save", ""),
+    ],
 )
 def test_keeps_what_it_is_given(server: Server, name: str, value: str) -> None:
     with server.client() as client:
