@@ -308,6 +308,8 @@ class TestScaling:
         assert modifiers["formula"] == " + ".join(names)
         assert (modifiers["target"], modifiers["metricType"]) == ("1", "AverageValue")
         assert 1 <= self.scaled["minReplicaCount"] < self.scaled["maxReplicaCount"]
+        # It would stop workers at work whenever Redis is away.
+        assert "fallback" not in self.scaled
 
     def test_its_triggers_are_every_state_that_wants_a_worker(self) -> None:
         names = {trigger["metadata"]["listName"] for trigger in self.scaled["triggers"]}
@@ -325,6 +327,20 @@ class TestScaling:
         volume = next(v for v in pod("redis")["volumes"] if "secret" in v)["secret"]
         assert secret["name"] == volume["secretName"]
         assert secret["key"] == volume["items"][0]["key"]
+
+    def test_it_is_spelled_as_kedas_definition_wants_it(self) -> None:
+        assert set(self.scaled) == {
+            *("scaleTargetRef", "minReplicaCount", "maxReplicaCount", "pollingInterval"),
+            *("advanced", "triggers"),
+        }
+        assert set(self.scaled["advanced"]) == {"scalingModifiers", "horizontalPodAutoscalerConfig"}
+        for trigger in self.scaled["triggers"]:
+            assert set(trigger) == {"type", "name", "metadata", "authenticationRef"}
+            assert all(isinstance(value, str) for value in trigger["metadata"].values())
+        behavior = self.scaled["advanced"]["horizontalPodAutoscalerConfig"]["behavior"]
+        assert behavior["scaleUp"] == {"stabilizationWindowSeconds": 0}
+        assert behavior["scaleDown"]["stabilizationWindowSeconds"] <= 3600
+        assert behavior["scaleDown"]["policies"][0]["periodSeconds"] <= 1800
 
     def test_scaling_down_waits_longer_than_a_job_is_handed_back(self) -> None:
         down = self.scaled["advanced"]["horizontalPodAutoscalerConfig"]["behavior"]["scaleDown"]
