@@ -179,6 +179,7 @@ class _Ending:
             # The folder says how the job ended; the reconciler tells Redis.
             _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
         _LOGGER.info("job %s ended: %s", self.folder.job_id, outcome.state)
+        self.folder.drop_checkpoints()
         for leftover in self.folder.path.glob("staging-*"):
             # Of attempts whose worker died; one that still runs finds its token stale.
             shutil.rmtree(leftover, ignore_errors=True)

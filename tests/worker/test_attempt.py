@@ -115,7 +115,7 @@ def test_progress_is_seen_while_the_job_runs(
     seen: list[Job] = []
 
     def looks(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
-        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.25, level=2))
+        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.25, level=2, iteration=7))
         seen.append(known(records, folder))
         return wrote(out_dir)
 
