@@ -9,7 +9,6 @@ import logging
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
 from celery.exceptions import SoftTimeLimitExceeded
@@ -167,7 +166,7 @@ class _Ending:
             Outcome(
                 state=state,
                 started_at=self.claim.started_at,
-                finished_at=datetime.now(UTC),
+                finished_at=self.records.now(),
                 attempt=self.claim.attempt,
                 error=error,
                 stage_s=self.clock.stage_s(),
