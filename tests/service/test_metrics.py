@@ -7,6 +7,7 @@ from pathlib import Path
 
 from prometheus_client.parser import text_string_to_metric_families
 
+from jobs.setting_aside import set_aside
 from schemas.job import JobState
 from tests.service.conftest import Api
 from tests.service.jobs_done import finish
@@ -86,3 +87,10 @@ def test_labels_have_few_values_whatever_callers_do(api: Api) -> None:
     label_values = {value for kinds in samples(api).values() for kind in kinds for value in kind}
     assert not {value for value in label_values if "nowhere" in value or "METHOD" in value}
     assert len(samples(api)["neuralmri_http_requests_total"]) < 100
+
+
+def test_what_was_put_into_quarantine_is_counted(api: Api) -> None:
+    assert samples(api)["neuralmri_quarantined_folders"] == {(): 0.0}
+    (api.store.root / "stranger").mkdir()
+    assert set_aside(api.store, []) == ("stranger",)
+    assert samples(api)["neuralmri_quarantined_folders"] == {(): 1.0}
