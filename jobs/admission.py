@@ -26,7 +26,14 @@ _PLACE_S = 120
 _ASK = """
 local time = redis.call('TIME')
 local now_ms = time[1] * 1000 + math.floor(time[2] / 1000)
-for i = 1, 2 do redis.call('ZREMRANGEBYSCORE', KEYS[i], '-inf', now_ms) end
+for i = 1, 2 do
+  redis.call('ZREMRANGEBYSCORE', KEYS[i], '-inf', now_ms)
+  -- Held longer than any place is: the clock went back.
+  local latest_ms = now_ms + ARGV[5]
+  for _, job in ipairs(redis.call('ZRANGEBYSCORE', KEYS[i], '(' .. latest_ms, '+inf')) do
+    redis.call('ZADD', KEYS[i], latest_ms, job)
+  end
+end
 if ARGV[2] ~= '' then
   local held = redis.call('GET', KEYS[7])
   if held then

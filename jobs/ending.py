@@ -45,6 +45,8 @@ def settle(folder: JobFolder, records: JobRecords, job: Job) -> JobState | None:
         except JobGone:
             records.forget(folder.job_id)
             return None
+    # Of a job that was handed back, or whose worker died.
+    folder.drop_checkpoints()
     if outcome.state is not job.state:
         # A worker that had lost its lease ended the job before the cancellation reached the disk.
         records.restore(folder.request(), outcome)

@@ -2,6 +2,7 @@
 
     <root>/<job id>/request.json        what to do; there from the first instant
                     inputs/<name>       uploaded files
+                    checkpoints/        how far attempts came, while it is not finished
                     staging-*/          one attempt's results while they are written
                     results/            the published results, manifest.json among them
                     outcome.json        how the job ended, once it has
@@ -20,6 +21,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import BinaryIO
 
+from jobs import checkpoint_files
 from jobs.durable import sync_folder, sync_tree, write_durably
 from jobs.errors import AlreadyPublished, JobGone
 from jobs.stored_input import StoredInput
@@ -162,6 +164,25 @@ class JobFolder:
             return Outcome.model_validate_json(self._read("outcome.json"))
         except JobGone:
             return None
+
+    def read_checkpoint(self, name: str) -> bytes | None:
+        """What an attempt left under a name; None where it left nothing."""
+        return checkpoint_files.read_checkpoint(self.path, _checked(name))
+
+    def write_checkpoint(self, name: str, content: bytes) -> None:
+        """Leave something for a later attempt, unless the job has ended. Raises JobGone, OSError.
+
+        Content must follow from the job alone: an attempt that was overtaken may write last.
+        """
+        try:
+            checkpoint_files.write_checkpoint(self.path, _checked(name), content)
+        except FileNotFoundError as error:
+            if not self.exists():
+                raise JobGone(f"job {self.job_id} was erased") from error
+
+    def drop_checkpoints(self) -> None:
+        """Remove what attempts left: the job has ended."""
+        checkpoint_files.drop_checkpoints(self.path)
 
     def erase(self) -> None:
         """Remove everything. The rename is the instant of erasure; the rest frees space."""

@@ -14,6 +14,11 @@ _FORGOTTEN_AFTER_S = 3600.0
 """Names of workers that are gone would pile up: each start of a container brings a new one."""
 
 
+_AHEAD_S = 2.0
+"""How far ahead of a clock that was just read a sign of life may lie. What lies further ahead was
+given before the clock of Redis went back, and says nothing of now."""
+
+
 class LiveWorkers:
     """Names of workers with their last sign of life. Every method raises RedisError."""
 
@@ -29,18 +34,24 @@ class LiveWorkers:
 
     def names(self, within_s: float) -> list[str]:
         """The workers whose last heartbeat is no older than `within_s`."""
-        oldest = now_us(self._redis) / 1e6 - within_s
+        now_s = now_us(self._redis) / 1e6
+        oldest = now_s - within_s
         self._forget_before(oldest - _FORGOTTEN_AFTER_S)
-        return sorted(cast(list[str], self._redis.zrangebyscore(_KEY, oldest, "+inf")))
+        return sorted(cast(list[str], self._redis.zrangebyscore(_KEY, oldest, now_s + _AHEAD_S)))
 
     def finished_heartbeat(self) -> None:
         """Say that a worker has taken a heartbeat from the queue and done it."""
         self._redis.set(_FINISHED_KEY, now_us(self._redis))
 
     def heartbeat_finished_ago_s(self) -> float | None:
-        """How long ago a worker last did; None where none has since Redis began."""
+        """How long ago a worker last did; None where none has since Redis began, or since its clock
+        went back.
+        """
         finished_us = cast(str | None, self._redis.get(_FINISHED_KEY))
-        return (now_us(self._redis) - int(finished_us)) / 1e6 if finished_us else None
+        if finished_us is None:
+            return None
+        ago_s = (now_us(self._redis) - int(finished_us)) / 1e6
+        return max(0.0, ago_s) if ago_s >= -_AHEAD_S else None
 
     def slots(self, within_s: float) -> int:
         """How many jobs those workers do at a time, all together."""

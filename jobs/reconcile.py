@@ -1,5 +1,6 @@
 """Making Redis agree with the folders: after a crash, a lost queue, a lost Redis."""
 
+import logging
 from dataclasses import dataclass
 from typing import Literal
 
@@ -8,23 +9,30 @@ from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
+from jobs.setting_aside import set_aside
 from jobs.store import JobStore
 from schemas.job import JobState
-from schemas.messages import ReconstructMessage
+from schemas.messages import JobRequest, ReconstructMessage
+
+_LOGGER = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
 class Reconciled:
-    """What one round mended: ids of jobs by what was done about them."""
+    """What one round mended: ids of jobs by what was done about them.
+
+    quarantined: names of what was no job, and was moved out of the way.
+    """
 
     restored: tuple[str, ...] = ()
     enqueued: tuple[str, ...] = ()
     ended: tuple[str, ...] = ()
     forgotten: tuple[str, ...] = ()
+    quarantined: tuple[str, ...] = ()
 
     @property
     def is_something(self) -> bool:
-        return bool(self.restored or self.enqueued or self.ended or self.forgotten)
+        return self != Reconciled()
 
 
 def reconcile(
@@ -37,6 +45,7 @@ def reconcile(
       outcome in its folder; a cancelling job without a worker is cancelled.
     - A job that had neither a live lease for `lost_after_s` nor a message waiting is enqueued.
     - A record without a folder is an erased job, and is forgotten.
+    - A folder that is no job is put into quarantine, and keeps no other job waiting.
 
     Any number of processes may do this at any time. Raises RedisError, or InternalError where the
     queue takes no message; the next round goes on from there.
@@ -48,12 +57,21 @@ def reconcile(
     known = records.ids()
     folders = store.ids()
     done: dict[str, list[str]] = {"restored": [], "enqueued": [], "ended": []}
+    suspects: set[str] = set()
+    unread: set[str] = set()
     for job_id in folders:
         folder = store.folder(job_id)
         try:
             mended = _mend(folder, records)
         except JobGone:
-            continue  # erased under our hands
+            continue  # erased under our hands, or it has no request
+        except ValueError:
+            suspects.add(job_id)  # what is wrong with it is said where it is judged
+            continue
+        except OSError as error:
+            _LOGGER.warning("job %s was not mended: %s", job_id, error)
+            unread.add(job_id)
+            continue
         if mended:
             done[mended].append(job_id)
         if job_id in waiting:
@@ -63,21 +81,30 @@ def reconcile(
             if job is not None:
                 queue.enqueue(ReconstructMessage.of_job(job))
                 done["enqueued"].append(job_id)
-    forgotten = [job_id for job_id in {*known, *folders} if not store.folder(job_id).exists()]
+    gone = {job_id for job_id in {*known, *folders} - unread if not store.folder(job_id).exists()}
+    quarantined = set_aside(store, suspects | unread | gone.intersection(folders))
+    forgotten = gone | set(known).intersection(quarantined)
     for job_id in forgotten:
         records.forget(job_id)
-    records.wholeness.end_round(begun)
+    if unread.issubset(quarantined):
+        # Else an idempotency key may be known to a folder alone.
+        records.wholeness.end_round(begun)
     return Reconciled(
-        **{what: tuple(ids) for what, ids in done.items()}, forgotten=tuple(sorted(forgotten))
+        **{what: tuple(ids) for what, ids in done.items()},
+        forgotten=tuple(sorted(forgotten)),
+        quarantined=quarantined,
     )
 
 
 def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"] | None:
-    """Make record and folder of one job agree, and say what it took. Raises JobGone."""
+    """Make record and folder of one job agree, and say what it took.
+
+    Raises JobGone, ValueError where the folder is damaged, OSError.
+    """
     job = records.get(folder.job_id)
     outcome = folder.outcome()
     if job is None:
-        was_unknown = records.restore(folder.request(), outcome)
+        was_unknown = records.restore(_request(folder), outcome)
         if outcome is not None:
             return "ended"
         return "restored" if was_unknown else None
@@ -87,8 +114,15 @@ def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"
         settle(folder, records, job)
         return "ended"
     if outcome is not None:
-        records.restore(folder.request(), outcome)
+        records.restore(_request(folder), outcome)
         return "ended"
     if job.state is JobState.CANCELLING:
         return "ended" if cancel(folder, records) is JobState.CANCELLED else None
     return None
+
+
+def _request(folder: JobFolder) -> JobRequest:
+    request = folder.request()
+    if request.job_id != folder.job_id:
+        raise ValueError(f"the folder of job {folder.job_id} has the request of another")
+    return request

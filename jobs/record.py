@@ -12,6 +12,7 @@ from schemas.job import Job, JobKind, JobState, Links, Priority, Progress, Stage
 from schemas.messages import Idempotency, JobRequest, Outcome
 from schemas.problem import Problem
 
+_LONGEST_LEASE_US = 3600 * 1_000_000
 _STAGE_S = TypeAdapter(dict[Stage, float])
 
 
@@ -22,6 +23,8 @@ class Record:
     token: the newest fence granted, 0 before the first.
     free_from_us: from this instant of the Redis clock (Unix time, microseconds) no worker holds the
         job. In the future while a lease lives; in the past it says how long the job has lain.
+    lease_us: how long a lease was granted last, 0 while nobody has one. What lies further ahead
+        than that was written before the clock went back.
     """
 
     job_id: str
@@ -37,6 +40,7 @@ class Record:
     restarted_from: str | None = None
     token: int = 0
     free_from_us: int = 0
+    lease_us: int = 0
     priority: Priority = Priority.INTERACTIVE
     idempotency: Idempotency | None = None
     traceparent: str | None = None
@@ -73,7 +77,8 @@ class Record:
             restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
-            # These four are not there in records of an older release.
+            # These are not there in records of an older release.
+            lease_us=int(fields.get("lease_us", _LONGEST_LEASE_US)),
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
             traceparent=fields.get("traceparent") or None,
@@ -94,6 +99,7 @@ class Record:
             "restarted_from": self.restarted_from or "",
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
+            "lease_us": str(self.lease_us),
             "priority": self.priority.value,
             "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
             "traceparent": self.traceparent or "",
@@ -101,7 +107,7 @@ class Record:
         }
 
     def is_held(self, now_us: int) -> bool:
-        return not self.state.is_terminal and self.free_from_us > now_us
+        return not self.state.is_terminal and now_us < self.free_from_us <= now_us + self.lease_us
 
     def to(self, state: JobState) -> "Record":
         """This record in another state. Raises IllegalTransition."""

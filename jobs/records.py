@@ -5,16 +5,18 @@ indices and event in one MULTI; where another client was faster it decides again
 own, so hosts with wrong clocks agree on leases. Fences start from the Redis clock too: they grow
 even when Redis has lost everything in between.
 
-Every method raises redis.exceptions.RedisError when Redis does not answer in time.
+Every method but `now` raises redis.exceptions.RedisError when Redis does not answer in time.
 """
 
+import logging
 from collections.abc import Callable
 from dataclasses import replace
+from datetime import UTC, datetime
 from typing import Any, cast
 
 from redis import Redis
 from redis.client import Pipeline
-from redis.exceptions import WatchError
+from redis.exceptions import RedisError, WatchError
 
 from jobs import transitions
 from jobs.admission import give_up_place
@@ -23,12 +25,14 @@ from jobs.errors import StaleToken
 from jobs.event_stream import add_event
 from jobs.idempotency_keys import Wholeness, move_key
 from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
-from jobs.record import Record
+from jobs.record import Record, instant
 from jobs.redis_clock import now_us
 from jobs.runtimes import note_runtime
 from jobs.tallies import tally
 from schemas.job import Job, JobPage, JobState, Progress
 from schemas.messages import JobRequest, Outcome
+
+_LOGGER = logging.getLogger(__name__)
 
 _Step = Callable[[Record | None, int], Record | None]
 
@@ -39,6 +43,17 @@ class JobRecords:
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
         self.wholeness = Wholeness(redis)
+
+    def now(self) -> datetime:
+        """The time by the clock that all hosts share; by this host's where Redis does not answer.
+
+        For what is compared with times that another host wrote.
+        """
+        try:
+            return instant(now_us(self._redis))
+        except RedisError as error:
+            _LOGGER.warning("a time is by this host's clock, Redis does not answer: %s", error)
+            return datetime.now(tz=UTC)
 
     def accepted(self, request: JobRequest) -> None:
         """A new queued job. Nothing happens where it is known already."""
@@ -183,7 +198,11 @@ class JobRecords:
         def step(record: Record | None, now_us: int) -> Record | None:
             nonlocal lost
             lost = transitions.is_lost(record, now_us, after_s)
-            return transitions.reclaimed(record, now_us) if record and lost else record
+            if record is None or record.state.is_terminal:
+                return record
+            if lost:
+                return transitions.reclaimed(record, now_us)
+            return transitions.by_the_clock(record, now_us)
 
         self._step(job_id, step)
         return lost

@@ -15,8 +15,10 @@ _KEPT = 50
 def note_runtime(pipe: Pipeline, before: Record | None, after: Record | None, now_us: int) -> None:
     """Queue the commands that note a runtime, where this step is a worker's success.
 
-    A worker's token is the instant of its claim by the Redis clock, and its own end keeps it. Later
-    attempts are left out: what an earlier one had published is only confirmed.
+    The worker has measured it, by a clock that does not jump. Where it says nothing, its token is
+    the instant of its claim by the Redis clock, and its own end keeps it; a clock that went back
+    meanwhile has measured nothing. Later attempts are left out: what an earlier one had published
+    is only confirmed.
     """
     if (
         before
@@ -25,8 +27,10 @@ def note_runtime(pipe: Pipeline, before: Record | None, after: Record | None, no
         and before.attempt == 1
         and before.token == after.token
     ):
-        pipe.lpush(_KEY, f"{(now_us - before.token) / 1e6:.3f}")
-        pipe.ltrim(_KEY, 0, _KEPT - 1)
+        runtime_s = sum(after.stage_s.values()) or (now_us - before.token) / 1e6
+        if runtime_s >= 0.0:
+            pipe.lpush(_KEY, f"{runtime_s:.3f}")
+            pipe.ltrim(_KEY, 0, _KEPT - 1)
 
 
 def mean_runtime_s(redis: Redis) -> float | None:

@@ -15,6 +15,7 @@ JOB_ID_PATTERN = r"^[0-9a-f]{32}$"
 
 _JOB_ID = re.compile(JOB_ID_PATTERN)
 _ABANDONED_AFTER_S = 3600.0
+_NO_JOBS = ("lost+found",)
 
 
 def is_job_id(text: str) -> bool:
@@ -34,6 +35,7 @@ class JobStore:
         self.root = root
         root.mkdir(mode=0o700, parents=True, exist_ok=True)
         self._last_id = 0
+        self._first_seen_s: dict[str, float] = {}
         self._lock = threading.Lock()
 
     def new_id(self) -> str:
@@ -56,6 +58,18 @@ class JobStore:
         """Ids of every job that has a folder, oldest first."""
         return sorted(entry.name for entry in os.scandir(self.root) if is_job_id(entry.name))
 
+    def strangers(self) -> list[Path]:
+        """Folders whose names are neither a job's nor of this program's making.
+
+        Hidden ones are left alone, and what a file system has of its own.
+        """
+        return sorted(
+            Path(entry.path)
+            for entry in os.scandir(self.root)
+            if entry.is_dir(follow_symlinks=False)
+            and not (is_job_id(entry.name) or entry.name.startswith(".") or entry.name in _NO_JOBS)
+        )
+
     def is_writable(self) -> bool:
         """Whether a file can be made here now."""
         probe = self.root / f".probe-{secrets.token_hex(6)}"
@@ -70,18 +84,23 @@ class JobStore:
         return True
 
     def sweep(self) -> None:
-        """Remove what a crash left: erasures half done, and submissions that were never shown."""
-        oldest = time.time() - _ABANDONED_AFTER_S
-        for entry in os.scandir(self.root):
-            erased = entry.name.startswith(ERASED_PREFIX)
-            if erased or (entry.name.startswith(NEW_PREFIX) and _made_before(entry, oldest)):
-                # Another process may be erasing the same folder.
-                shutil.rmtree(entry.path, ignore_errors=True)
+        """Remove what a crash left: erasures half done, and submissions that were never shown.
 
-
-def _made_before(entry: "os.DirEntry[str]", instant: float) -> bool:
-    """Whether the entry is older; one that was renamed since it was listed is not."""
-    try:
-        return entry.stat(follow_symlinks=False).st_mtime < instant
-    except FileNotFoundError:
-        return False
+        Nothing is lost by it: an erased job was to go, and nobody was told of a job that was not
+        shown. The latter are given an hour from when this process first saw them, by a clock that
+        does not jump: one may still be being written.
+        """
+        now_s = time.monotonic()
+        names = [entry.name for entry in os.scandir(self.root)]
+        first_seen_s = self._first_seen_s
+        self._first_seen_s = {
+            name: first_seen_s.get(name, now_s) for name in names if name.startswith(NEW_PREFIX)
+        }
+        abandoned = [
+            name
+            for name, seen_s in self._first_seen_s.items()
+            if now_s - seen_s >= _ABANDONED_AFTER_S
+        ]
+        for name in (*(n for n in names if n.startswith(ERASED_PREFIX)), *abandoned):
+            # Another process may be erasing the same folder.
+            shutil.rmtree(self.root / name, ignore_errors=True)

@@ -28,7 +28,7 @@ def refusal(record: Record | None, now_us: int, max_attempts: int) -> Refusal | 
 
 def leased(record: Record, now_us: int, lease_s: float) -> Record:
     """Held under a new fence, larger than all before it even where Redis lost those."""
-    return replace(record, token=max(record.token + 1, now_us), free_from_us=now_us + _us(lease_s))
+    return _for(lease_s, replace(record, token=max(record.token + 1, now_us)), now_us)
 
 
 def started(record: Record, now_us: int) -> Record:
@@ -45,7 +45,7 @@ def started(record: Record, now_us: int) -> Record:
 
 def renewed(record: Record | None, token: int, now_us: int, lease_s: float) -> Record:
     """Held for `lease_s` from now."""
-    return replace(_held(record, token), free_from_us=now_us + _us(lease_s))
+    return _for(lease_s, _held(record, token), now_us)
 
 
 def advanced(record: Record | None, token: int, progress: Progress) -> Record:
@@ -66,7 +66,7 @@ def finished(record: Record | None, token: int, outcome: Outcome) -> Record:
 
 def released(record: Record | None, token: int, now_us: int) -> Record:
     """Handed back unfinished. It does not count as an attempt: only lost workers do."""
-    held = replace(_held(record, token), token=token + 1, free_from_us=now_us)
+    held = replace(_held(record, token), token=token + 1, free_from_us=now_us, lease_us=0)
     if held.state is not JobState.RUNNING:
         return held
     return replace(held.to(JobState.QUEUED), attempt=held.attempt - 1, progress=Progress())
@@ -96,13 +96,28 @@ def is_lost(record: Record | None, now_us: int, after_s: float) -> bool:
 
 def reclaimed(record: Record, now_us: int) -> Record:
     """Taken back from whoever held it last."""
-    return replace(record.to(JobState.QUEUED), token=record.token + 1, free_from_us=now_us)
+    return replace(
+        record.to(JobState.QUEUED), token=record.token + 1, free_from_us=now_us, lease_us=0
+    )
+
+
+def by_the_clock(record: Record, now_us: int) -> Record:
+    """The same, where the clock went back and left an instant that no lease could have reached: a
+    worker that lives renews its lease within it, and one that does not is missed soon after.
+    """
+    latest_us = now_us + record.lease_us
+    return record if record.free_from_us <= latest_us else replace(record, free_from_us=latest_us)
 
 
 def _held(record: Record | None, token: int) -> Record:
     if record is None or record.token != token or record.state.is_terminal:
         raise StaleToken("the job was taken over, cancelled or erased meanwhile")
     return record
+
+
+def _for(lease_s: float, record: Record, now_us: int) -> Record:
+    """Held for so long from now."""
+    return replace(record, free_from_us=now_us + _us(lease_s), lease_us=_us(lease_s))
 
 
 def _us(seconds: float) -> int:

@@ -75,9 +75,19 @@ class Progress(WireModel):
     stage: Stage = Stage.WAITING
     frame: Name | None = None
     level: int | None = Field(default=None, ge=0)
-    iteration: int | None = Field(default=None, ge=0, description="Within the level.")
+    iteration: int | None = Field(
+        default=None,
+        ge=0,
+        description="Within the level. Null beside a level that an earlier attempt had finished: "
+        "this one goes on after it.",
+    )
     loss: float | None = None
     eta_s: float | None = Field(default=None, ge=0.0)
+
+    @property
+    def is_taken_up(self) -> bool:
+        """Whether an earlier attempt came this far, and this one goes on from there."""
+        return self.level is not None and self.iteration is None
 
 
 class Links(WireModel):

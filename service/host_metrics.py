@@ -9,6 +9,8 @@ from pathlib import Path
 from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
+from jobs.quarantine import Quarantine
+
 
 class HostMetrics(Collector):
     """The file system of the job store, left out where it cannot be asked, and the build."""
@@ -20,6 +22,7 @@ class HostMetrics(Collector):
         up = GaugeMetricFamily("neuralmri_store_up", "Whether the job store can be asked.")
         try:
             usage = shutil.disk_usage(self._jobs_dir)
+            quarantined = Quarantine(self._jobs_dir).count()
         except OSError:
             up.add_metric([], 0.0)
         else:
@@ -30,6 +33,9 @@ class HostMetrics(Collector):
             free = GaugeMetricFamily("neuralmri_store_free_bytes", "Left for the service's user.")
             free.add_metric([], usage.free)
             yield free
+            odd = GaugeMetricFamily("neuralmri_quarantined_folders", "What was no job.")
+            odd.add_metric([], quarantined)
+            yield odd
         yield up
         build = GaugeMetricFamily("neuralmri_build_info", "Always 1.", labels=["version", "python"])
         build.add_metric([version("neuralmri"), platform.python_version()], 1.0)

@@ -1,11 +1,10 @@
 """The background thread that makes Redis agree with the folders."""
 
 import logging
-import threading
-from types import TracebackType
 
 from redis.exceptions import RedisError
 
+from jobs.periodic_thread import PeriodicThread
 from jobs.reconcile import reconcile
 from schemas.problem import InternalError
 from service.access import JobAccess
@@ -15,31 +14,17 @@ log = logging.getLogger("neuralmri.reconciler")
 _SOONER_S = 5.0
 
 
-class Reconciler:
+class Reconciler(PeriodicThread):
     """Reconciles at once and every `reconcile_every_s`; sooner after a round that failed."""
 
     def __init__(self, access: JobAccess) -> None:
+        super().__init__("reconciler", join_within_s=10.0)
         self._access = access
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
-
-    def __enter__(self) -> "Reconciler":
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._stopping.set()
-        self._thread.join(timeout=10.0)
 
     def _run(self) -> None:
-        every_s = self._access.settings.reconcile_every_s
-        while not self._stopping.is_set():
-            self._stopping.wait(every_s if self._round() else min(every_s, _SOONER_S))
+        every_s, wait_s = self._access.settings.reconcile_every_s, 0.0
+        while self._pause(wait_s):
+            wait_s = every_s if self._round() else min(every_s, _SOONER_S)
 
     def _round(self) -> bool:
         access = self._access

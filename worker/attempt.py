@@ -9,7 +9,6 @@ import logging
 import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
-from datetime import UTC, datetime
 from pathlib import Path
 
 from celery.exceptions import SoftTimeLimitExceeded
@@ -173,7 +172,7 @@ class _Ending:
             Outcome(
                 state=state,
                 started_at=self.claim.started_at,
-                finished_at=datetime.now(UTC),
+                finished_at=self.records.now(),
                 attempt=self.claim.attempt,
                 error=error,
                 stage_s=self.clock.stage_s(),
@@ -186,6 +185,7 @@ class _Ending:
             # The folder says how the job ended; the reconciler tells Redis.
             _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
         _LOGGER.info("job %s ended: %s", self.folder.job_id, outcome.state)
+        self.folder.drop_checkpoints()
         for leftover in self.folder.path.glob("staging-*"):
             # Of attempts whose worker died; one that still runs finds its token stale.
             shutil.rmtree(leftover, ignore_errors=True)

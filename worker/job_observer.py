@@ -34,8 +34,9 @@ class StopReason(StrEnum):
 class JobObserver:
     """Watches one attempt. `stop_reason` says why it told the computation to stop, if it did.
 
-    Redis is told at most four times a second, of each stage its first and last word besides, and
-    asked at most every 0.3 s; when it fails, the computation goes on unwatched for a while.
+    Redis is told at most four times a second, of each stage its first and last word besides and of
+    all that is taken up from an earlier attempt, and asked at most every 0.3 s; when it fails, the
+    computation goes on unwatched for a while.
     """
 
     def __init__(
@@ -45,7 +46,8 @@ class JobObserver:
         self._records = records
         self._lease = lease
         self._is_shutting_down = is_shutting_down
-        self._started_s = time.monotonic()
+        self._since_s = time.monotonic()
+        self._from_fraction = 0.0
         self._tell_at_s = 0.0
         self._ask_at_s = 0.0
         self._stage: Stage | None = None
@@ -57,7 +59,7 @@ class JobObserver:
             return
         progress = self._with_eta(progress, now_s)
         is_new_stage = progress.stage is not self._stage
-        if now_s < self._tell_at_s and not is_new_stage:
+        if now_s < self._tell_at_s and not (is_new_stage or progress.is_taken_up):
             self._untold = progress
             return
         last_of_stage = self._untold if is_new_stage else None
@@ -98,9 +100,14 @@ class JobObserver:
             return False
 
     def _with_eta(self, progress: Progress, now_s: float) -> Progress:
-        """Add what remains if the rest is as fast as what was, where nothing better is known."""
-        if progress.eta_s is not None or progress.fraction < _ETA_FROM_FRACTION:
+        """Add what remains if the rest is as fast as what was, where nothing better is known.
+
+        What an earlier attempt did says nothing of how fast this one is.
+        """
+        if progress.is_taken_up:
+            self._since_s, self._from_fraction = now_s, progress.fraction
+        done = progress.fraction - self._from_fraction
+        if progress.eta_s is not None or done < _ETA_FROM_FRACTION:
             return progress
-        elapsed_s = now_s - self._started_s
-        eta_s = elapsed_s * (1.0 - progress.fraction) / progress.fraction
+        eta_s = (now_s - self._since_s) * (1.0 - progress.fraction) / done
         return progress.model_copy(update={"eta_s": round(eta_s, 1)})

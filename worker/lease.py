@@ -3,50 +3,29 @@
 import logging
 import threading
 import time
-from contextvars import copy_context
-from types import TracebackType
 
 from redis.exceptions import RedisError
 
+from jobs.periodic_thread import PeriodicThread
 from jobs.records import JobRecords
 
 _LOGGER = logging.getLogger(__name__)
 _RETRY_EVERY_S = 0.5
 
 
-class Lease:
+class Lease(PeriodicThread):
     """Held from entering to leaving the `with` block, unless another attempt takes the job over.
 
     When Redis does not answer, the job goes on: nobody else can claim it meanwhile either.
     """
 
     def __init__(self, records: JobRecords, job_id: str, token: int, lease_s: float) -> None:
+        super().__init__(f"lease-{job_id}")
         self.job_id = job_id
         self.token = token
         self._records = records
         self._lease_s = lease_s
         self._lost = threading.Event()
-        self._closed = threading.Event()
-        self._thread = threading.Thread(
-            # What it logs is about the same attempt.
-            target=copy_context().run,
-            args=(self._keep,),
-            name=f"lease-{job_id}",
-            daemon=True,
-        )
-
-    def __enter__(self) -> "Lease":
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._closed.set()
-        self._thread.join()
 
     @property
     def is_lost(self) -> bool:
@@ -78,8 +57,8 @@ class Lease:
                 break
         return not self.is_lost
 
-    def _keep(self) -> None:
-        while not self.is_lost and not self._closed.wait(self._lease_s / 3):
+    def _run(self) -> None:
+        while not self.is_lost and self._pause(self._lease_s / 3):
             try:
                 self._renew()
             except RedisError as error:

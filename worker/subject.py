@@ -22,6 +22,7 @@ from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
 from worker.artifacts.page.html import render_html
 from worker.artifacts.report import measure, timed
+from worker.checkpoints import Checkpoints
 from worker.observer import Cancelled, Observer, Unobserved
 from worker.provenance import provenance, software
 from worker.reconstruction.result import Reconstruction
@@ -52,6 +53,7 @@ def run(
     references: Mapping[str, SurfaceMesh] | None = None,
     job_id: str | None = None,
     observer: Observer | None = None,
+    checkpoints: Checkpoints | None = None,
     pointer: str = "/study",
     limits: Limits = DEFAULT_LIMITS,
 ) -> Finished:
@@ -67,6 +69,7 @@ def run(
         references: By surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
         job_id: Said in the files, where there is a job.
         observer: Told of progress, asked whether to stop.
+        checkpoints: Where fits are kept level by level, and gone on from.
         pointer: Where the study stands in what the caller sent, "" for a document of its own.
         limits: Counts that the study may reach.
 
@@ -78,7 +81,7 @@ def run(
     clock = StageClock(observer or Unobserved())
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
-    reconstruction = _reconstruct(study, options, threads, clock)
+    reconstruction = _reconstruct(study, options, threads, clock, checkpoints)
     _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
     unwritten = measure(
         reconstruction,
@@ -107,13 +110,17 @@ def run(
 
 
 def _reconstruct(
-    study: ContourStudy, options: Options, threads: int, observer: Observer
+    study: ContourStudy,
+    options: Options,
+    threads: int,
+    observer: Observer,
+    checkpoints: Checkpoints | None,
 ) -> Reconstruction:
     use_threads(threads)
     # Loaded here, after the threads are bound, and never in a process that still forks.
     from worker.reconstruction.pipeline import reconstruct
 
-    return reconstruct(study, options, _FirstPart(observer))
+    return reconstruct(study, options, _FirstPart(observer), checkpoints)
 
 
 def _enter(stage: Stage, fraction: float, observer: Observer) -> None:

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Request, Response
 from intake.json_body import parse_json
 from schemas.problem import InputError, ProblemType
 from schemas.webhook import Webhook, WebhookList, WebhookRequest, WebhookWithSecret
-from service.access import Owner
+from service.access import Access, Owner
 from service.documented import problems
 from service.media_type import require_media_type
 from service.webhooks.desk import Desk, WebhookDesk, no_such_endpoint
@@ -59,7 +59,11 @@ async def _body(request: Request) -> bytes:
     openapi_extra=_BODY,
 )
 def register_webhook(
-    body: Annotated[bytes, Depends(_body)], desk: Desk, owner: Owner, response: Response
+    body: Annotated[bytes, Depends(_body)],
+    desk: Desk,
+    access: Access,
+    owner: Owner,
+    response: Response,
 ) -> WebhookWithSecret:
     """Have an endpoint of yours told when your jobs end.
 
@@ -68,7 +72,7 @@ def register_webhook(
     settings = desk.settings
     request = parse_json(body, WebhookRequest, settings.limits())
     _check_target(request.url, desk)
-    endpoint = Endpoint.of_request(request, owner, datetime.now(UTC))
+    endpoint = Endpoint.of_request(request, owner, access.records.now())
     try:
         desk.endpoints.add(endpoint, settings.webhook_max_endpoints)
     except TooManyEndpoints as error:

@@ -71,12 +71,17 @@ class Announcer:
         if (folder.path / MARK).exists():
             self._settled.add(folder.job_id)
             return None
-        return folder.outcome()
+        try:
+            return folder.outcome()
+        except ValueError:
+            # The reconciler says what is wrong with it; other jobs' ends are told all the same.
+            self._settled.add(folder.job_id)
+            return None
 
     def _announce(self, folder: JobFolder, outcome: Outcome, endpoints: list[Endpoint]) -> None:
         try:
             owner = folder.owner()
-        except JobGone:
+        except (JobGone, ValueError):  # erased, or damaged
             return
         told = [e for e in endpoints if e.owner == owner and e.created_at <= outcome.finished_at]
         if not told:

@@ -10,7 +10,13 @@ _KEY = "neuralmri:webhooks:dispatcher"
 
 _HOLD = """
 local holder = redis.call('get', KEYS[1])
-if holder and holder ~= ARGV[1] then return 0 end
+if holder and holder ~= ARGV[1] then
+  -- Longer than it is ever held: the clock went back. Its holder, if it lives, holds on.
+  if redis.call('pttl', KEYS[1]) > tonumber(ARGV[2]) then
+    redis.call('pexpire', KEYS[1], ARGV[2])
+  end
+  return 0
+end
 redis.call('set', KEYS[1], ARGV[1], 'px', ARGV[2])
 return 1
 """

@@ -2,15 +2,14 @@
 
 import asyncio
 import logging
-import threading
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
-from types import TracebackType
 
 import httpx
 from redis.exceptions import RedisError
 
+from jobs.periodic_thread import PeriodicThread
 from jobs.redis_client import make_redis
 from service.access import JobAccess
 from service.webhooks.announcement import Announcer
@@ -32,7 +31,7 @@ _Sent = tuple[str, str]
 """Endpoint and message."""
 
 
-class Dispatcher:
+class Dispatcher(PeriodicThread):
     """Puts messages into the outbox and delivers them, in one service process at a time.
 
     What it was about when it is stopped or killed is tried again by the next, under the same id.
@@ -41,6 +40,7 @@ class Dispatcher:
     def __init__(
         self, access: JobAccess, desk: WebhookDesk, resolve: Resolve = system_addresses
     ) -> None:
+        super().__init__("webhooks", join_within_s=10.0)
         settings = access.settings
         self._settings = settings
         self._desk = desk
@@ -60,21 +60,6 @@ class Dispatcher:
         )
         self._postman = Postman(settings, desk.endpoints, desk.outbox, sender, desk.attempts)
         self._under_way: dict[_Sent, asyncio.Task[None]] = {}
-        self._stopping = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="webhooks", daemon=True)
-
-    def __enter__(self) -> "Dispatcher":
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self._stopping.set()
-        self._thread.join(timeout=10.0)
 
     def _run(self) -> None:
         asyncio.run(self._serve())
@@ -82,16 +67,13 @@ class Dispatcher:
     async def _serve(self) -> None:
         await asyncio.to_thread(self._desk.endpoints.sweep)
         try:
-            while not await self._is_told_to_stop():
+            while await asyncio.to_thread(self._pause, self._settings.webhook_every_s):
                 await self._round()
         finally:
             for task in self._under_way.values():
                 task.cancel()
             await asyncio.gather(*self._under_way.values(), return_exceptions=True)
             await asyncio.to_thread(self._leave)
-
-    async def _is_told_to_stop(self) -> bool:
-        return await asyncio.to_thread(self._stopping.wait, self._settings.webhook_every_s)
 
     async def _round(self) -> None:
         try:

@@ -26,6 +26,7 @@ def record(state: JobState, *, held: bool, token: int = 7) -> Record:
         attempt=1,
         token=token,
         free_from_us=NOW_US + (10 if held else -10),
+        lease_us=20,
     )
 
 

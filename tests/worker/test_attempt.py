@@ -115,7 +115,7 @@ def test_progress_is_seen_while_the_job_runs(
     seen: list[Job] = []
 
     def looks(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
-        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.25, level=2))
+        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.25, level=2, iteration=7))
         seen.append(known(records, folder))
         return wrote(out_dir)
 
@@ -247,6 +247,49 @@ def test_a_job_that_is_handed_back_keeps_its_priority_and_its_trace(
     assert job.trace_id
     assert job.trace_id in headers[1]["traceparent"]
     assert queue.depth() == 0
+
+
+def kept(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    """Leaves a checkpoint, and then does as the observer says."""
+    folder.write_checkpoint("frame-ED-fit", b"level 1")
+    if observer.is_cancelled():
+        raise Cancelled
+    return wrote(out_dir)
+
+
+def test_checkpoints_stay_while_the_job_is_handed_on_and_go_when_it_ends(
+    folder: JobFolder, records: JobRecords, desk: MakeDesk
+) -> None:
+    folder.write_checkpoint("frame-ED-fit", b"level 0")
+    attempt(folder.job_id, desk(until_stopped, is_shutting_down=lambda: True))
+    assert folder.read_checkpoint("frame-ED-fit") == b"level 0"
+    attempt(folder.job_id, desk(kept))
+    assert known(records, folder).state is JobState.SUCCEEDED
+    assert not (folder.path / "checkpoints").exists()
+
+
+def test_a_failed_job_leaves_no_checkpoint(folder: JobFolder, desk: MakeDesk) -> None:
+    def fails(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+        folder.write_checkpoint("frame-ED-fit", b"level 1")
+        raise ZeroDivisionError
+
+    attempt(folder.job_id, desk(fails))
+    assert sorted(path.name for path in folder.path.iterdir()) == [
+        "inputs", "outcome.json", "request.json",
+    ]  # fmt: skip
+
+
+def test_who_lost_the_job_leaves_its_checkpoints_to_the_other(
+    folder: JobFolder, records: JobRecords, desk: MakeDesk
+) -> None:
+    def is_overtaken(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+        folder.write_checkpoint("frame-ED-fit", b"level 1")
+        records.released(folder.job_id, int(out_dir.name.split("-")[1]))
+        assert records.claim(folder.job_id, 60.0, 3).granted
+        return until_stopped(folder, out_dir, observer)
+
+    attempt(folder.job_id, desk(is_overtaken))
+    assert folder.read_checkpoint("frame-ED-fit") == b"level 1"
 
 
 def test_a_cancellation_wins_over_a_closing_worker(

@@ -42,3 +42,31 @@ def test_hundreds_of_steps_are_few_events_and_the_last_of_each_stage(
     assert len(told) <= 4 * took_s + 2 * (len(last) + 1)
     ends = {stage: [*steps][-1].iteration for stage, steps in groupby(told, lambda p: p.stage)}
     assert ends == {**last, Stage.DONE: None}
+
+
+def test_what_is_taken_up_says_nothing_of_how_fast_the_rest_will_be(
+    queued_job: Callable[[], JobFolder], records: JobRecords
+) -> None:
+    job_id = queued_job().job_id
+    token = records.claim(job_id, 30.0, 3).token
+    assert token is not None
+
+    def told() -> Progress:
+        job = records.get(job_id)
+        assert job is not None
+        return job.progress
+
+    with Lease(records, job_id, token, 30.0) as lease:
+        observer = JobObserver(records, lease, lambda: False)
+        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.4, level=3))
+        taken_up = told()
+        assert (taken_up.fraction, taken_up.level, taken_up.eta_s) == (0.4, 3, None)
+        # At once, though another word was said just now: the next frame's.
+        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.6, level=3))
+        assert told().fraction == 0.6
+        time.sleep(0.5)
+        observer.advanced(Progress(stage=Stage.FITTING, fraction=0.7, level=4, iteration=0))
+        # A tenth took half a second or more; by all seven tenths the rest would take 0.2 s.
+        eta_s = told().eta_s
+        assert eta_s is not None
+        assert eta_s >= 1.4

@@ -1,5 +1,7 @@
 """One descent step for the field and the shifts of its slices."""
 
+from typing import Any
+
 import torch
 from torch import Tensor
 
@@ -36,3 +38,14 @@ class Descent:
         if self._muon is not None:
             self._muon.step(decay * self._rate)
         self._shifts.restrain()
+
+    def state(self) -> dict[str, Any]:
+        """What steps have left behind: all that `put_back` needs to go on as if never stopped."""
+        muon = None if self._muon is None else self._muon.momentum
+        return {"adam": self._groups.state_dict(), "muon": muon}
+
+    def put_back(self, state: dict[str, Any]) -> None:
+        """Go on from a state of the same method and shapes."""
+        self._groups.load_state_dict(state["adam"])
+        if self._muon is not None:
+            self._muon.momentum.copy_(state["muon"])

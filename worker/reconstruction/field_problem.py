@@ -10,6 +10,7 @@ import numpy as np
 from schemas.options import Options, SamplingOptions
 from schemas.vocabulary import Structure
 from worker.arrays import Points
+from worker.checkpoints import Checkpoint
 from worker.observer import Observer
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.fit import FieldFit, fit_field
@@ -50,10 +51,12 @@ def solved(
     options: Options,
     observer: Observer,
     start: TissueField | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> FieldFit:
     """A field fitted to the problem, from `start` or from the seed; shifts are learned in place.
 
-    Raises Cancelled when the observer asks to stop.
+    checkpoint: where the fit is kept level by level, and gone on from. Raises Cancelled when the
+    observer asks to stop.
     """
     rng = np.random.default_rng(options.seed)
 
@@ -69,7 +72,7 @@ def solved(
             observer,
         )
 
-    return fit_field(samples_of, shifts, problem.classes, options, observer, start)
+    return fit_field(samples_of, shifts, problem.classes, options, observer, start, checkpoint)
 
 
 def moved_stack(stack: UnitStack, motion: SliceMotion) -> UnitStack:

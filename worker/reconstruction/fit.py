@@ -15,25 +15,17 @@ from torch import Tensor
 
 from schemas.job import Progress, Stage
 from schemas.options import Options
-from worker.arrays import SomeScalars
+from worker.checkpoints import Checkpoint
 from worker.observer import Cancelled, Observer
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.descent import Descent
+from worker.reconstruction.fit_state import FitState
+from worker.reconstruction.fitted_level import FittedLevel
 from worker.reconstruction.losses import bce, hinge
 from worker.reconstruction.network import TissueField
 from worker.reconstruction.samples import BOUNDARY, LabelledSamples, joined
 from worker.reconstruction.surface_logits import SurfaceLogits
 from worker.reconstruction.tissues import Partition
-
-
-@dataclass(frozen=True, eq=False)
-class FittedLevel:
-    """One level: how many samples were in its mix, and the losses of its iterations, in order."""
-
-    level: int
-    samples: int
-    bce: SomeScalars
-    hinge: SomeScalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +44,7 @@ def fit_field(
     options: Options,
     observer: Observer,
     start: TissueField | None = None,
+    checkpoint: Checkpoint | None = None,
 ) -> FieldFit:
     """Fit one field to one frame.
 
@@ -59,6 +52,8 @@ def fit_field(
     shifts: of the slices that samples were drawn on; where they move, learned with the field, in
         place.
     start: a field to go on from, which is left as it is; a new one by the seed when None.
+    checkpoint: where the state is kept after every level. A fit that finds one goes on from there,
+        bit for bit as if it had never stopped.
     Raises Cancelled when the observer asks to stop.
     """
     generator = torch.Generator().manual_seed(options.seed)
@@ -67,10 +62,20 @@ def fit_field(
     descent = Descent(field, shifts, options)
     total_steps = options.levels * options.iterations_per_level
 
+    checkpoint = checkpoint or Checkpoint()
+    state = FitState(field, shifts, descent, generator)
+    fitted = state.load(checkpoint)
+    kept = len(fitted)
+    if kept:
+        # Without an iteration: an earlier attempt came this far.
+        done = kept / options.levels
+        observer.advanced(Progress(fraction=done, stage=Stage.FITTING, level=kept - 1))
     recent: list[LabelledSamples] = []
-    fitted: list[FittedLevel] = []
-    for level in range(options.levels):
+    for level in range(options.levels if kept < options.levels else 0):
+        # Of levels that were kept, too: later samples are drawn after them, and mixed with them.
         recent = [*recent, samples_of(level)][-options.sampling.levels_in_mix :]
+        if level < kept:
+            continue
         mix = _Mix(joined(recent), options.loss.contour_weight)
         learning = shifts.moving and level >= options.alignment.first_level
         seen = torch.zeros(2, options.iterations_per_level)
@@ -97,6 +102,7 @@ def fit_field(
                 )
             )
         fitted.append(FittedLevel(level, len(mix), *seen.numpy().astype(np.float64)))
+        state.save(fitted, options.levels, checkpoint)
     return FieldFit(field, surface_logits, tuple(fitted))
 
 

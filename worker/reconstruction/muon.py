@@ -18,7 +18,7 @@ _STEPS = 5
 
 
 class Muon:
-    """Optimizer of one (count, n, n) stack of square matrices.
+    """Optimizer of one (count, n, n) stack of square matrices; `momentum` is all its state.
 
     Batched by hand: torch's own Muon takes one matrix at a time, in a number format that is slow on
     most processors.
@@ -26,7 +26,7 @@ class Muon:
 
     def __init__(self, matrices: Tensor) -> None:
         self._matrices = matrices
-        self._momentum = torch.zeros_like(matrices)
+        self.momentum = torch.zeros_like(matrices)
         self._scale = _RMS * matrices.shape[-1] ** 0.5
 
     @torch.no_grad()
@@ -35,8 +35,8 @@ class Muon:
         gradient = self._matrices.grad
         if gradient is None:
             raise ValueError("the matrices hold no gradient; call backward first")
-        self._momentum.mul_(_MOMENTUM).add_(gradient)
-        ahead = gradient.add(self._momentum, alpha=_MOMENTUM)
+        self.momentum.mul_(_MOMENTUM).add_(gradient)
+        ahead = gradient.add(self.momentum, alpha=_MOMENTUM)
         self._matrices.add_(orthogonalised(ahead), alpha=-learning_rate * self._scale)
         self._matrices.grad = None
 

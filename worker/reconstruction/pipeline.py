@@ -11,6 +11,7 @@ from intake.support import frame_surfaces
 from schemas.job import Stage
 from schemas.options import Base, Holdout, Options
 from schemas.study import ContourStudy, Frame
+from worker.checkpoints import Checkpoint, Checkpoints, Unkept
 from worker.observer import Observer, Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.base_plane import cut_open, find_base
@@ -55,21 +56,29 @@ _WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
 
 
 def reconstruct(
-    study: ContourStudy, options: Options, observer: Observer | None = None
+    study: ContourStudy,
+    options: Options,
+    observer: Observer | None = None,
+    checkpoints: Checkpoints | None = None,
 ) -> Reconstruction:
     """Surfaces of every frame of an admitted study (`intake.study.admit`), mm, the study's axes.
 
-    A frame that observes none of the requested surfaces is left out.
+    A frame that observes none of the requested surfaces is left out. What `checkpoints` has of
+    these very fits is not fitted again, and changes nothing.
 
     Same study, options, thread count and library versions: same surfaces, bit for bit. Raises
     InputError for input that no field can be fitted to, InternalError(NO_SURFACE) when a fit
     encloses nothing, Cancelled when the observer asks to stop.
     """
-    watcher = observer or Unobserved()
+    watcher, kept = observer or Unobserved(), checkpoints or Unkept()
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
     fits = tuple(
         _reconstruct_frame(
-            study, frame, options, FrameShare(watcher, frame.label, index, len(frames))
+            study,
+            frame,
+            options,
+            FrameShare(watcher, frame.label, index, len(frames)),
+            Checkpoint(kept, f"frame-{frame.label}"),
         )
         for index, frame in enumerate(frames)
     )
@@ -77,7 +86,11 @@ def reconstruct(
 
 
 def _reconstruct_frame(
-    study: ContourStudy, frame: Frame, options: Options, observer: FrameShare
+    study: ContourStudy,
+    frame: Frame,
+    options: Options,
+    observer: FrameShare,
+    checkpoint: Checkpoint,
 ) -> FrameFit:
     stack = build_stack(study, frame)
     unit_stack, unit_frame = normalise(stack)
@@ -96,7 +109,7 @@ def _reconstruct_frame(
     suited = tempered(options, _contour_noise(evidence, options, unit_mm))
     shifts = free_shifts()
     fitting, meshing, refitting, others = _parts(observer, problem, options)
-    fit = solved(problem, shifts, suited, fitting)
+    fit = solved(problem, shifts, suited, fitting, checkpoint=checkpoint.of("fit"))
     motion = shifts.found()
     touching = outline_points(moved_stack(unit_stack, motion))
     found = surfaces_of(fit, problem, touching, unit_frame, options, meshing)
@@ -117,8 +130,14 @@ def _reconstruct_frame(
             structure: curvature_of(fit, index, found.meshes[structure], unit_frame, meshing)
             for index, structure in enumerate(surfaces)
         },
-        held_out=held_out(first, suited, refitting.told_as(Stage.REFITTING)) if wanted else {},
-        members=ensemble(problem, unit_frame, free_shifts, suited, others.told_as(Stage.REFITTING)),
+        held_out=(
+            held_out(first, suited, refitting.told_as(Stage.REFITTING), checkpoint)
+            if wanted
+            else {}
+        ),
+        members=ensemble(
+            problem, unit_frame, free_shifts, suited, others.told_as(Stage.REFITTING), checkpoint
+        ),
     )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from schemas.options import Options
 from schemas.vocabulary import Structure
+from worker.checkpoints import Checkpoint
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.field_problem import (
     FieldProblem,
@@ -68,12 +69,14 @@ def slices_to_hold_out(problem: FieldProblem) -> list[int]:
     return showing if len(showing) > 1 else []
 
 
-def held_out(first: FirstFit, options: Options, observer: FrameShare) -> Mapping[str, Surfaces]:
+def held_out(
+    first: FirstFit, options: Options, observer: FrameShare, checkpoint: Checkpoint
+) -> Mapping[str, Surfaces]:
     """By slice id, closed surfaces fitted without it, mm. Those that no other slice shows, or of
     which the field then encloses nothing, are left out.
 
-    Slices stay where they were found to be. options: as fitted with. Raises Cancelled when the
-    observer asks to stop.
+    Slices stay where they were found to be. options: as fitted with. checkpoint: of the frame; each
+    refit is kept in a part of it. Raises Cancelled when the observer asks to stop.
     """
     chosen = slices_to_hold_out(first.problem)
     again = _again(options)
@@ -84,7 +87,14 @@ def held_out(first: FirstFit, options: Options, observer: FrameShare) -> Mapping
         rest = UnitStack(tuple(s for i, s in enumerate(moved.slices) if i != index))
         problem = posed(rest, first.problem.classes, options.sampling)
         still = SliceShifts(problem.shown, no_evidence(len(rest.slices), 1.0), limit=1.0)
-        fit = solved(problem, still, again, part.part(0.0, _FIT_SHARE), start=first.fit.field)
+        fit = solved(
+            problem,
+            still,
+            again,
+            part.part(0.0, _FIT_SHARE),
+            start=first.fit.field,
+            checkpoint=checkpoint.of(f"without-{index}"),
+        )
         meshing = part.part(_FIT_SHARE, 1.0)
         found[moved.slices[index].id] = surfaces_of(
             fit, problem, outline_points(rest), first.frame, again, meshing, may_be_empty=True
@@ -98,10 +108,12 @@ def ensemble(
     shifts_of: Callable[[], SliceShifts],
     options: Options,
     observer: FrameShare,
+    checkpoint: Checkpoint,
 ) -> tuple[Surfaces, ...]:
     """Closed surfaces, mm, of `options.ensemble` more fits with the seeds that follow.
 
-    shifts_of: new shifts for every fit, that learn anew. Raises Cancelled when asked to stop.
+    shifts_of: new shifts for every fit, that learn anew. checkpoint: of the frame; each fit is kept
+    in a part of it. Raises Cancelled when asked to stop.
     """
     members = []
     for index in range(options.ensemble):
@@ -109,7 +121,8 @@ def ensemble(
         seed = (options.seed + 1 + index) % _SEEDS
         own = options.model_copy(update={"seed": seed, "target_edge_mm": None})
         shifts = shifts_of()
-        fit = solved(problem, shifts, own, part.part(0.0, _FIT_SHARE))
+        kept = checkpoint.of(f"seed-{seed}")
+        fit = solved(problem, shifts, own, part.part(0.0, _FIT_SHARE), checkpoint=kept)
         touching = outline_points(moved_stack(problem.stack, shifts.found()))
         meshing = part.part(_FIT_SHARE, 1.0)
         members.append(

@@ -145,3 +145,17 @@ def test_a_service_without_endpoints_leaves_job_folders_alone(
     announcer(store, desk).announce()
     left = sorted(path.name for path in store.folder(job_id).path.iterdir())
     assert left == ["inputs", "outcome.json", "request.json"]
+
+
+@pytest.mark.parametrize("name", ["request.json", "outcome.json"])
+def test_a_damaged_job_keeps_no_other_from_being_announced(
+    store: JobStore, desk: WebhookDesk, ended: Ended, name: str
+) -> None:
+    endpoint = register(desk)
+    first, damaged, last = (ended() for _ in range(3))
+    (store.folder(damaged).path / name).write_text('{"cut sh')
+    announcer(store, desk).announce()
+    assert sorted(announced(desk, endpoint)) == [
+        (first, "job.succeeded"),
+        (last, "job.succeeded"),
+    ]

@@ -45,3 +45,17 @@ def test_without_redis_nobody_holds_it() -> None:
         with pytest.raises(RedisError):
             lock.hold()
         assert not lock.is_held
+
+
+def test_a_holder_that_died_before_the_clock_went_back_holds_it_no_longer_than_ever(
+    redis: Redis,
+) -> None:
+    one, other = DispatchLock(redis, 0.3), DispatchLock(redis, 0.3)
+    assert one.hold()
+    redis.expire("neuralmri:webhooks:dispatcher", 86400)
+    assert not other.hold(), "its holder may live"
+    assert one.hold()
+    redis.expire("neuralmri:webhooks:dispatcher", 86400)
+    assert not other.hold()
+    time.sleep(0.4)
+    assert other.hold()
