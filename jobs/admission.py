@@ -26,7 +26,10 @@ _PLACE_S = 120
 _ASK = """
 local time = redis.call('TIME')
 local now_ms = time[1] * 1000 + math.floor(time[2] / 1000)
-for i = 1, 2 do redis.call('ZREMRANGEBYSCORE', KEYS[i], '-inf', now_ms) end
+for i = 1, 2 do
+  redis.call('ZREMRANGEBYSCORE', KEYS[i], '-inf', now_ms)
+  redis.call('ZREM', KEYS[i], ARGV[1]) -- asked for again: the place it had does not count
+end
 if ARGV[2] ~= '' then
   local held = redis.call('GET', KEYS[7])
   if held then

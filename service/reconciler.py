@@ -9,6 +9,7 @@ from redis.exceptions import RedisError
 from jobs.reconcile import reconcile
 from schemas.problem import InternalError
 from service.access import JobAccess
+from service.batches.unfinished import UnfinishedBatches
 
 log = logging.getLogger("neuralmri.reconciler")
 
@@ -20,6 +21,7 @@ class Reconciler:
 
     def __init__(self, access: JobAccess) -> None:
         self._access = access
+        self._batches = UnfinishedBatches(access)
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
 
@@ -48,6 +50,7 @@ class Reconciler:
                 access.store, access.records, access.queue, access.settings.lost_after_s
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
+            self._batches.take_in()
         except (RedisError, InternalError) as error:
             log.warning("not reconciled, Redis cannot be reached: %s", error)
             return False
