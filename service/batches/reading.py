@@ -44,10 +44,21 @@ class ReadStudy:
     refusal: ServiceError | None = None
 
 
-def read_batch(body: bytes, media_type: str, limits: Limits, most: int) -> list[ReadStudy]:
-    """Judge each study of a batch as a submission of its own, and keep their order.
+@dataclass(frozen=True)
+class BatchBody:
+    """A body that is a batch, its studies one by one, in order, and not yet judged."""
 
-    Raises InputError where the body as a whole is not one, or holds more than `most` studies.
+    entries: list[bytes]
+    shared: dict[str, Any]
+
+    def judged(self, limits: Limits) -> list[ReadStudy]:
+        """Each study, judged as a submission of its own."""
+        return [_read(entry, self.shared, limits) for entry in self.entries]
+
+
+def read_batch(body: bytes, media_type: str, limits: Limits, most: int) -> BatchBody:
+    """Take a batch apart. Raises InputError where the body as a whole is none, or holds more than
+    `most` studies.
     """
     if media_type == LINES:
         lines = [line for line in body.split(b"\n") if line.strip()]
@@ -66,7 +77,7 @@ def read_batch(body: bytes, media_type: str, limits: Limits, most: int) -> list[
         shared = whole.options
     if len(entries) > most:
         raise too_many(most, "/studies")
-    return [_read(entry, shared, limits) for entry in entries]
+    return BatchBody(entries, shared)
 
 
 def _read(entry: bytes, shared: dict[str, Any], limits: Limits) -> ReadStudy:

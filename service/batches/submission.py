@@ -1,6 +1,6 @@
 """A batch that was received: planned, stored, and taken in, once for one idempotency key."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
 from jobs.batch_store import batch_tail, new_batch_id
@@ -16,6 +16,7 @@ from schemas.problem import (
     ServiceError,
 )
 from service.access import JobAccess
+from service.batches.book import still_taken_in
 from service.batches.reading import ReadStudy
 from service.batches.taking_in import refusal, take_in
 from service.refusals import key_reused
@@ -23,27 +24,32 @@ from service.refusals import key_reused
 
 def accept_batch(
     access: JobAccess,
-    studies: Sequence[ReadStudy],
+    judge: Callable[[], Sequence[ReadStudy]],
     owner: str,
     priority: Priority,
     idempotency: Idempotency | None,
 ) -> tuple[BatchRecord, bool]:
-    """The batch, and whether the same request had made it before.
+    """The batch, and whether the same request had made it before; then nothing is judged again.
 
     Its record, whole with every request, is on disk before the first study is accepted. Raises
     ServiceError where the key is another request's or every study is refused; then nothing is left.
     """
     tail = batch_tail(owner, idempotency.key if idempotency else None)
-    planned = _planned(access, studies, owner, priority, idempotency, tail)
-    if planned.items and not planned.job_ids:
-        raise _all_refused(planned)
+    planned = None
+    if access.batches.with_tail(tail) is None:
+        planned = _planned(access, judge(), owner, priority, idempotency, tail)
+        if planned.items and not planned.job_ids:
+            raise _all_refused(planned)
     with access.batches.turn(tail) as turn:
         found = access.batches.with_tail(tail)
-        if found is None:
-            access.batches.write(planned)
-        elif found.idempotency != idempotency:
+        if found is not None and found.idempotency != idempotency:
             raise key_reused()
-        record = take_in(access, found or planned, turn)
+        record = found or planned
+        if record is None:  # erased since it was looked for
+            raise still_taken_in()
+        if found is None:
+            access.batches.write(record)
+        record = take_in(access, record, turn)
         if record.items and not record.job_ids:
             access.batches.erase(record.batch_id)
             raise _all_refused(record)

@@ -39,6 +39,10 @@ class UnfinishedBatches:
         except ServiceError as error:
             _LOGGER.info("batch %s is not taken in yet: %s", record.batch_id, error)
             return record
+        except OSError:
+            # The disk's trouble with one batch is no reason to leave the others.
+            _LOGGER.exception("batch %s is not taken in yet", record.batch_id)
+            return record
         if found.pending and not after.pending:
             _LOGGER.info("batch %s was left half done, and is taken in now", record.batch_id)
         return after

@@ -77,7 +77,7 @@ async def _received(request: Request) -> _Received:
 def open_batch(access: Access, owner: Owner, terms: Terms, response: Response) -> Batch:
     """Make an empty batch. Submissions of any kind join it by `?batch=` and its id."""
     idempotency = terms.idempotency(b"", in_lines=False)
-    record, replayed = accept_batch(access, [], owner, terms.priority, idempotency)
+    record, replayed = accept_batch(access, list, owner, terms.priority, idempotency)
     return _answer(access, record, response, replayed=replayed)
 
 
@@ -101,13 +101,12 @@ def submit_batch(
     refusals lead into the body, where line N of one in lines is `/studies/N-1`. Where none is
     accepted, nothing is kept and the answer is a problem.
     """
-    settings = access.settings
-    in_lines = received.media_type == LINES
-    studies = read_batch(
-        received.body, received.media_type, settings.limits(), settings.max_batch_studies
+    limits, most = access.settings.limits(), access.settings.max_batch_studies
+    body = read_batch(received.body, received.media_type, limits, most)
+    idempotency = terms.idempotency(received.body, in_lines=received.media_type == LINES)
+    record, replayed = accept_batch(
+        access, lambda: body.judged(limits), owner, terms.priority, idempotency
     )
-    idempotency = terms.idempotency(received.body, in_lines=in_lines)
-    record, replayed = accept_batch(access, studies, owner, terms.priority, idempotency)
     request.state.jobs_of_batch = record.job_ids
     return _answer(access, record, response, replayed=replayed)
 

@@ -66,9 +66,11 @@ elif where == "between folder and record":
 elif where == "writing":
     BatchBook.write = dying(BatchBook.write)
 studies = reading.read_batch(body, reading.JSON, settings.limits(), 100)
+limits = settings.limits()
 digest = batch_sha256(Priority.BATCH, body, in_lines=False)
 key = Idempotency(key=sys.argv[4], payload_sha256=digest)
-submission.accept_batch(access, studies, "anonymous", Priority.BATCH, key)
+judge = lambda: studies.judged(limits)
+submission.accept_batch(access, judge, "anonymous", Priority.BATCH, key)
 """
 
 
@@ -326,3 +328,29 @@ def test_the_record_is_whole_on_disk_before_the_first_job(
     (record,) = seen
     assert [request.job_id for request in record.pending] == record.job_ids == job_ids(batch)
     assert record.pending[0].contours is not None
+
+
+@pytest.mark.integration
+def test_one_batch_that_cannot_be_taken_in_holds_up_no_other(
+    api: Api, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    die(api, "writing", 1)
+    die_under = {**KEY, "Idempotency-Key": "another night"}
+    monkeypatch.setitem(KEY, "Idempotency-Key", die_under["Idempotency-Key"])
+    die(api, "accepting", 0)
+    for key in api.redis.scan_iter("neuralmri:batch-lock:*"):
+        api.redis.delete(key)
+    first, second = access_of(api).batches.ids()
+    read = JobAccess.of_settings(api.settings).batches.read
+    write = taking_in.BatchRecord.after
+
+    def unwritable(record: BatchRecord, *given: Any) -> BatchRecord:
+        if record.batch_id == first:
+            raise PermissionError(13, "Permission denied")
+        return write(record, *given)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(BatchRecord, "after", unwritable)
+        UnfinishedBatches(access_of(api)).take_in()
+    left = [record.pending for record in map(read, (first, second)) if record]
+    assert [bool(pending) for pending in left] == [True, False]
