@@ -6,24 +6,36 @@ from cli.server_arguments import (
     DEFAULT_RETRY_WITHIN_S,
     LOCAL_SERVER,
     ApiKeyText,
-    JobId,
+    JobOrBatchId,
     RetryWithin,
     ServerUrl,
     connected,
+    is_batch,
 )
 
 
 def cancel(
-    job_id: JobId,
+    job_id: JobOrBatchId,
     server: ServerUrl = LOCAL_SERVER,
     api_key: ApiKeyText = None,
     retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
     as_json: JsonFlag = False,
 ) -> None:
-    """Ask a job to stop, and print its state. Doing it again, or too late, changes nothing."""
+    """Ask a job to stop, and print its state. Doing it again, or too late, changes nothing.
+
+    Of a batch, every job of it.
+    """
+    from cli.batch_client import BatchClient
+    from cli.batch_summary import counts_line
+
     with connected(server, api_key, retry_within) as client:
-        job = client.cancel(job_id)
+        if is_batch(job_id):
+            batch = BatchClient(client).cancel(job_id)
+            document, state = batch.model_dump(mode="json", exclude_none=True), counts_line(batch)
+        else:
+            job = client.cancel(job_id)
+            document, state = job.model_dump(mode="json", exclude_none=True), job.state.value
     if as_json:
-        say_json(job.model_dump(mode="json", exclude_none=True))
+        say_json(document)
     else:
-        say(job.state)
+        say(state)

@@ -220,6 +220,10 @@ class Client:
         except httpx.TransportError as error:
             raise TryAgain(self._unreachable(error)) from error
 
+    def get_as(self, model: type[M], method: str, path: str, **content: Any) -> M:
+        """The answer to a call that may be made twice, as a model."""
+        return _fitting(model, self._call(method, path, **content))
+
     def _submitted(self, send: Callable[[], Any]) -> Job:
         return _fitting(Job, self._again(send))
 
@@ -266,7 +270,9 @@ def _refused(response: httpx.Response) -> TryAgain | ServiceError:
 
 
 def _address(job_id: str) -> str:
-    return f"/v1/jobs/{quote(job_id, safe='')}"
+    """Of a job, or of a batch."""
+    kind = "batches" if job_id.startswith("bt_") else "jobs"
+    return f"/v1/{kind}/{quote(job_id, safe='')}"
 
 
 def _files_of(given: ContourInput | LabelInput) -> dict[str, Path]:

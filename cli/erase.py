@@ -6,7 +6,7 @@ from cli.server_arguments import (
     DEFAULT_RETRY_WITHIN_S,
     LOCAL_SERVER,
     ApiKeyText,
-    JobId,
+    JobOrBatchId,
     RetryWithin,
     ServerUrl,
     connected,
@@ -14,13 +14,16 @@ from cli.server_arguments import (
 
 
 def erase(
-    job_id: JobId,
+    job_id: JobOrBatchId,
     server: ServerUrl = LOCAL_SERVER,
     api_key: ApiKeyText = None,
     retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
     as_json: JsonFlag = False,
 ) -> None:
-    """Remove a job with its inputs and results; one that runs is stopped. There is no way back."""
+    """Remove a job with its inputs and results; one that runs is stopped. There is no way back.
+
+    Of a batch, every job of it.
+    """
     with connected(server, api_key, retry_within) as client:
         client.erase(job_id)
     if as_json:

@@ -25,6 +25,7 @@ from cli.rerun import rerun
 from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
+from cli.submit_batch import submit_batch
 from cli.watch import watch
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 
@@ -39,6 +40,7 @@ app = typer.Typer(
 app.command()(serve)
 app.command()(reconstruct)
 app.command()(submit)
+app.command()(submit_batch)
 app.command("list")(list_jobs)
 app.command()(cancel)
 app.command()(erase)

@@ -56,6 +56,30 @@ JobId = Annotated[
 ]
 
 
+def _job_or_batch_id(text: str) -> str:
+    from jobs.batch_store import is_batch_id
+
+    return text if is_batch_id(text) else _job_id(text)
+
+
+JobOrBatchId = Annotated[
+    str,
+    typer.Argument(
+        metavar="JOB",
+        help="The job's id, or a batch's.",
+        callback=_job_or_batch_id,
+        show_default=False,
+    ),
+]
+
+
+def is_batch(id_: str) -> bool:
+    """Whether an id that the command line took is a batch's."""
+    from jobs.batch_store import is_batch_id
+
+    return is_batch_id(id_)
+
+
 @contextmanager
 def connected(server: str, api_key: str | None, retry_within_s: float) -> "Iterator[Client]":
     """A client that says on standard error when it has to ask again."""

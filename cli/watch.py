@@ -1,6 +1,6 @@
 """`neuralmri watch`: follow a job that a server has."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -10,18 +10,22 @@ from cli.server_arguments import (
     DEFAULT_RETRY_WITHIN_S,
     LOCAL_SERVER,
     ApiKeyText,
-    JobId,
+    JobOrBatchId,
     RetryWithin,
     ServerUrl,
     connected,
+    is_batch,
 )
 from schemas.event import JobEvent
 from schemas.job import Job
 from schemas.problem import ServiceError
 
+if TYPE_CHECKING:
+    from cli.client import Client
+
 
 def watch(
-    job_id: JobId,
+    job_id: JobOrBatchId,
     server: ServerUrl = LOCAL_SERVER,
     api_key: ApiKeyText = None,
     retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
@@ -31,7 +35,8 @@ def watch(
 ) -> None:
     """Follow a job to its end, and show how far it is.
 
-    Lost connections are made anew. Exit code as of `submit --wait`.
+    Lost connections are made anew. Exit code as of `submit --wait`. A batch is polled; `--json`
+    prints it once it has ended.
     """
     from cli.following import follow
     from cli.progress import progress_bar
@@ -39,6 +44,8 @@ def watch(
     from cli.summary import print_summary
 
     with connected(server, api_key, retry_within) as client:
+        if is_batch(job_id):
+            _watch_batch(client, job_id, as_json=as_json)
         try:
             with progress_bar(job_id[:8], quiet=as_json) as bar:
 
@@ -62,3 +69,16 @@ def watch(
             raise typer.Exit(exit_code(failure))  # the last event holds the error
         if not as_json:
             print_summary(client.report(job.id))
+
+
+def _watch_batch(client: "Client", batch_id: str, *, as_json: bool) -> NoReturn:
+    from cli.batch_client import BatchClient
+    from cli.batch_summary import batch_exit_code, say_batch
+    from cli.batch_watch import watched
+
+    batch = watched(BatchClient(client), batch_id, quiet=as_json)
+    if as_json:
+        say(batch.model_dump_json(exclude_none=True))
+    else:
+        say_batch(batch)
+    raise typer.Exit(batch_exit_code(batch))

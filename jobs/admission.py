@@ -33,6 +33,7 @@ for i = 1, 2 do
   for _, job in ipairs(redis.call('ZRANGEBYSCORE', KEYS[i], '(' .. latest_ms, '+inf')) do
     redis.call('ZADD', KEYS[i], latest_ms, job)
   end
+  redis.call('ZREM', KEYS[i], ARGV[1]) -- asked for again: the place it had does not count
 end
 if ARGV[2] ~= '' then
   local held = redis.call('GET', KEYS[7])

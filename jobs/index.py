@@ -20,6 +20,11 @@ def record_key(job_id: str) -> str:
     return f"neuralmri:job:{job_id}"
 
 
+def batch_key(batch_id: str) -> str:
+    """The sorted set of the jobs of one batch."""
+    return f"neuralmri:batch:{batch_id}"
+
+
 def line_key(priority: Priority) -> str:
     """The sorted set of the queued jobs of one priority."""
     return f"neuralmri:line:{priority.value}"
@@ -41,4 +46,6 @@ def _keys(record: Record) -> set[str]:
         for owner in (ANY_OWNER, record.owner)
         for state in (None, record.state)
     }
+    if record.batch_id is not None:
+        keys.add(batch_key(record.batch_id))
     return keys | {line_key(record.priority)} if record.state is JobState.QUEUED else keys

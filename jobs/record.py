@@ -45,6 +45,8 @@ class Record:
     idempotency: Idempotency | None = None
     traceparent: str | None = None
     stage_s: Mapping[Stage, float] = field(default_factory=dict)
+    batch_id: str | None = None
+    name: str | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -59,6 +61,8 @@ class Record:
             priority=request.priority,
             idempotency=request.idempotency,
             traceparent=request.traceparent,
+            batch_id=request.batch_id,
+            name=request.name,
         )
 
     @classmethod
@@ -83,6 +87,8 @@ class Record:
             idempotency=_idempotency(fields.get("idempotency", "")),
             traceparent=fields.get("traceparent") or None,
             stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
+            batch_id=fields.get("batch_id") or None,
+            name=fields.get("name") or None,
         )
 
     def fields(self) -> dict[str, str]:
@@ -104,6 +110,8 @@ class Record:
             "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
             "traceparent": self.traceparent or "",
             "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
+            "batch_id": self.batch_id or "",
+            "name": self.name or "",
         }
 
     def is_held(self, now_us: int) -> bool:
@@ -148,6 +156,8 @@ class Record:
             error=self.error,
             restarted_from=self.restarted_from,
             trace_id=trace.trace_id if trace else None,
+            batch_id=self.batch_id,
+            name=self.name,
             links=Links(
                 self=here,
                 cancel=f"{here}/cancel",

@@ -9,7 +9,7 @@ Every method but `now` raises redis.exceptions.RedisError when Redis does not an
 """
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any, cast
@@ -24,7 +24,7 @@ from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
 from jobs.event_stream import add_event
 from jobs.idempotency_keys import Wholeness, move_key
-from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
+from jobs.index import ANY_OWNER, batch_key, index_key, move_in_index, record_key
 from jobs.record import Record, instant
 from jobs.redis_clock import now_us
 from jobs.runtimes import note_runtime
@@ -70,24 +70,38 @@ class JobRecords:
         """The trace context of the request that brought the job; None where it is not known."""
         return cast(str | None, self._redis.hget(record_key(job_id), "traceparent")) or None
 
+    def get_all(self, job_ids: Sequence[str]) -> dict[str, Job]:
+        """Those of the jobs that are known, by their ids."""
+        with self._redis.pipeline(transaction=False) as pipe:
+            for job_id in job_ids:
+                pipe.hgetall(record_key(job_id))
+            found = zip(job_ids, pipe.execute(), strict=True)
+        return {id_: Record.of_fields(id_, fields).job() for id_, fields in found if fields}
+
+    def of_batch(self, batch_id: str) -> list[str]:
+        """Ids of the known jobs of a batch, oldest first."""
+        return cast(list[str], self._redis.zrange(batch_key(batch_id), 0, -1))
+
     def page(
-        self, owner: str, state: JobState | None = None, limit: int = 50, cursor: str | None = None
+        self,
+        owner: str,
+        state: JobState | None = None,
+        limit: int = 50,
+        cursor: str | None = None,
+        batch_id: str | None = None,
     ) -> JobPage:
-        """Up to `limit` jobs, newest first, those after job id `cursor`.
+        """Up to `limit` jobs, newest first, those after job id `cursor`; of one batch if asked for.
 
         A job that is there throughout is seen exactly once over all pages, whatever comes and goes
-        meanwhile; a page may be short where jobs went while it was read.
+        meanwhile; a page may be short where jobs went while it was read, and where jobs of a batch
+        are in another state.
         """
         newest = f"({cursor}" if cursor else "+"
-        key = index_key(owner, state)
+        key = batch_key(batch_id) if batch_id else index_key(owner, state)
         ids = cast(list[str], self._redis.zrevrangebylex(key, newest, "-", start=0, num=limit + 1))
-        with self._redis.pipeline(transaction=False) as pipe:
-            for job_id in ids[:limit]:
-                pipe.hgetall(record_key(job_id))
-            found = zip(ids[:limit], pipe.execute(), strict=True)
-        jobs = [Record.of_fields(job_id, fields).job() for job_id, fields in found if fields]
+        jobs = self.get_all(ids[:limit])
         return JobPage(
-            jobs=[job for job in jobs if state in (None, job.state)],
+            jobs=[job for job in jobs.values() if state in (None, job.state)],
             next_cursor=ids[limit - 1] if len(ids) > limit else None,
         )
 

@@ -27,6 +27,8 @@ def again(request: JobRequest, job_id: str, options: Options) -> JobRequest:
             "restarted_from": request.job_id,
             # The key of the first job stays its own: one key makes one job.
             "idempotency": None,
+            "batch_id": None,
+            "name": None,
             "contours": contours and contours.model_copy(update={"options": options}),
             "labels": labels and labels.model_copy(update={"options": options}),
         }

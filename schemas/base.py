@@ -20,3 +20,8 @@ Name = Annotated[
     StringConstraints(pattern=r"^[A-Za-z0-9._-]{1,64}$"),
 ]
 """An identifier that is also safe as part of a file name."""
+
+FOLDER_NAME_PATTERN = r"^[A-Za-z0-9_][A-Za-z0-9._-]{0,63}$"
+
+FolderName = Annotated[str, StringConstraints(pattern=FOLDER_NAME_PATTERN)]
+"""A name that may be a folder's: it does not begin with a dot or a hyphen."""

@@ -5,7 +5,7 @@ from enum import StrEnum
 
 from pydantic import Field
 
-from schemas.base import Name, WireModel
+from schemas.base import FolderName, Name, WireModel
 from schemas.problem import Problem
 
 
@@ -128,6 +128,8 @@ class Job(WireModel):
     trace_id: str | None = Field(
         default=None, description="Of the request that brought it: what the logs have it under."
     )
+    batch_id: str | None = Field(default=None, description="The batch that it is part of.")
+    name: FolderName | None = Field(default=None, description="What its batch calls it.")
     links: Links
 
 

@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from schemas.base import Name, WireModel
+from schemas.base import FolderName, Name, WireModel
 from schemas.job import Job, JobKind, JobState, Priority, Stage
 from schemas.labels import LabelRequest
 from schemas.options import Options
@@ -62,6 +62,8 @@ class JobRequest(WireModel):
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
     restarted_from: str | None = None
+    batch_id: str | None = None
+    name: FolderName | None = Field(default=None, description="What its batch calls it.")
     traceparent: str | None = Field(
         default=None, description="W3C trace context of the request that brought the job."
     )

@@ -15,6 +15,7 @@ from jobs.submission import submit
 from schemas.job import Job
 from schemas.messages import JobRequest
 from service.access import JobAccess
+from service.batches.joining import require_room
 from service.refusals import key_pending, key_reused, no_room
 
 log = logging.getLogger("neuralmri.service")
@@ -38,11 +39,13 @@ def accept(
     if request.idempotency is not None and not access.records.wholeness.is_certain():
         # Redis has lost something, perhaps this very key: have it back from the folders first.
         reconcile(access.store, access.records, access.queue, access.settings.lost_after_s)
+    if request.batch_id is not None:
+        require_room(access, request.batch_id, owner)
     patient_until_s = time.monotonic() + _PATIENCE_S
     while True:
         answer = access.admission.ask(request, owner)
         if answer.verdict is Verdict.ADMITTED:
-            job = _submitted(access, request, inputs, owner)
+            job = submitted(access, request, inputs, owner)
             break
         if answer.holder is None:
             raise no_room(answer, access)
@@ -63,10 +66,10 @@ def accept(
     return job
 
 
-def _submitted(
+def submitted(
     access: JobAccess, request: JobRequest, inputs: Mapping[str, Source], owner: str
 ) -> Job:
-    """The job, accepted; where it is not, its place and key are free again."""
+    """The job, whose place is held, accepted; where it is not, place and key are free again."""
     try:
         return submit(access.store, access.records, access.queue, request, inputs, owner)
     except BaseException:

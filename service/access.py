@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import Depends, Request
 
 from jobs.admission import Admission
+from jobs.batch_store import BatchStore
 from jobs.erased import ErasedJobs
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
@@ -17,8 +18,10 @@ from jobs.redis_client import make_redis
 from jobs.store import JobStore, is_job_id
 from jobs.tallies import Tallies
 from jobs.waiting_line import WaitingLine
+from schemas.batch import BatchRecord
 from schemas.job import Job
 from schemas.problem import InputError, ProblemType
+from service.batches.book import BatchBook
 from service.keys.caller import EVERYBODY, NOBODY, Caller
 from service.settings import ServiceSettings
 
@@ -40,6 +43,7 @@ class JobAccess:
     admission: Admission
     owners: JobOwners
     erased: ErasedJobs
+    batches: BatchBook
     caller: Caller = NOBODY
 
     @classmethod
@@ -57,6 +61,7 @@ class JobAccess:
             admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
             owners=JobOwners(),
             erased=ErasedJobs(redis),
+            batches=BatchBook(BatchStore(settings.data_dir / "batches"), redis),
         )
 
     def live_workers(self) -> list[str]:
@@ -89,15 +94,24 @@ class JobAccess:
         """
         if is_job_id(job_id):
             folder = self.store.folder(job_id)
-            if not folder.exists() and self._has_erased(job_id):
+            if not folder.exists() and self.has_erased(job_id):
                 return folder
         return self.folder(job_id)
 
-    def _has_erased(self, job_id: str) -> bool:
+    def has_erased(self, job_id: str) -> bool:
+        """Whether the caller may be told that a job, or a batch, was erased by its owner."""
         if self.caller == EVERYBODY or self.caller.is_admin:
             return True
         owner = self.erased.owner_of(job_id)
         return owner is not None and self.caller.sees(owner)
+
+    def batch(self, batch_id: str) -> BatchRecord:
+        """The record of a batch of the caller's. Raises InputError (not found, 404)."""
+        owner = self.batches.owner(batch_id)
+        record = self.batches.read(batch_id) if owner and self.caller.sees(owner) else None
+        if record is None:
+            raise no_such_batch()
+        return record
 
     def job(self, job_id: str) -> Job:
         """The job as it stands. One that Redis has lost is read from its folder.
@@ -123,6 +137,16 @@ def no_such_job() -> InputError:
         ProblemType.NOT_FOUND,
         "there is no such job: it never was, or it was erased. Remedy: take the id from the answer "
         "to your submission, or list your jobs at /v1/jobs.",
+        status=404,
+    )
+
+
+def no_such_batch() -> InputError:
+    """The answer to an id that names no batch of the caller's."""
+    return InputError(
+        ProblemType.NOT_FOUND,
+        "there is no such batch: it never was, or it was erased. Remedy: take the id from the "
+        "answer to your submission, or list your batches at /v1/batches.",
         status=404,
     )
 

@@ -23,7 +23,9 @@ from service.reconciler import Reconciler
 from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
 from service.routes import (
+    archives,
     artifacts,
+    batches,
     events,
     health,
     jobs,
@@ -31,6 +33,7 @@ from service.routes import (
     pages,
     request,
     restart,
+    submit_batch,
     submit_contours,
     submit_labels,
     validate,
@@ -78,13 +81,16 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     for part in (
         submit_contours,
         submit_labels,
+        submit_batch,
         validate,
         options,
         jobs,
+        batches,
         events,
         request,
         restart,
         artifacts,
+        archives,
         webhooks,
         webhook_deliveries,
         health,

@@ -7,6 +7,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import Headers
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from jobs.batch_store import is_batch_id
 from jobs.store import is_job_id
 from schemas.audit import Action, AuditEntry, AuditOutcome
 from schemas.messages import ANONYMOUS
@@ -19,6 +20,12 @@ _DONE: dict[tuple[str, str], Action] = {
     ("POST", "/v1/jobs/contours"): Action.SUBMIT,
     ("POST", "/v1/jobs/labels"): Action.SUBMIT,
     ("POST", "/v1/jobs/{job_id}/restart"): Action.SUBMIT,
+    ("POST", "/v1/batches"): Action.SUBMIT,
+    ("POST", "/v1/batches/contours"): Action.SUBMIT,
+    ("POST", "/v1/batches/{batch_id}/cancel"): Action.CANCEL,
+    ("DELETE", "/v1/batches/{batch_id}"): Action.ERASE,
+    ("GET", "/v1/batches/{batch_id}/artifacts.zip"): Action.DOWNLOAD,
+    ("GET", "/v1/jobs/{job_id}/artifacts.zip"): Action.DOWNLOAD,
     ("POST", "/v1/jobs/{job_id}/cancel"): Action.CANCEL,
     ("DELETE", "/v1/jobs/{job_id}"): Action.ERASE,
     ("GET", "/v1/jobs/{job_id}/request"): Action.DOWNLOAD,
@@ -56,13 +63,18 @@ class Audited:
 
     async def _note(self, scope: Scope, status: int, headers: Headers) -> None:
         entry = _entry(scope, status, headers)
-        if entry is None:
-            return
-        try:
-            await run_in_threadpool(self.log.write, entry)
-        except OSError as error:
-            line = entry.model_dump_json(exclude_none=True)
-            _LOGGER.error("the audit log takes no line (%r): %s", error, line)
+        if entry is not None:
+            of_batch = scope.get("state", {}).get("jobs_of_batch", ())
+            jobs = [entry.model_copy(update={"job": job_id}) for job_id in of_batch]
+            await run_in_threadpool(self._write, [entry, *jobs])
+
+    def _write(self, entries: list[AuditEntry]) -> None:
+        for entry in entries:
+            try:
+                self.log.write(entry)
+            except OSError as error:
+                line = entry.model_dump_json(exclude_none=True)
+                _LOGGER.error("the audit log takes no line (%r): %s", error, line)
 
 
 def _entry(scope: Scope, status: int, headers: Headers) -> AuditEntry | None:
@@ -97,7 +109,10 @@ def _outcome(status: int) -> AuditOutcome:
 
 
 def _job_id(scope: Scope, headers: Headers) -> str | None:
-    """The job that was made, or the one in the address. Nothing that a caller made up."""
-    made = headers.get("location", "")[-32:]
-    named = made if is_job_id(made) else scope.get("path_params", {}).get("job_id", "")
-    return named if is_job_id(named) else None
+    """The job or batch that was made, or the one in the address. Nothing that a caller made up."""
+    made = headers.get("location", "").rpartition("/")[2]
+    asked = scope.get("path_params", {})
+    for named in (made, asked.get("job_id", ""), asked.get("batch_id", "")):
+        if is_job_id(named) or is_batch_id(named):
+            return str(named)
+    return None

@@ -6,6 +6,7 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from pydantic.json_schema import models_json_schema
 
+from schemas.batch import BatchRequest
 from schemas.labels import LabelRequest
 from schemas.messages import ContourRequest
 from schemas.problem import Problem
@@ -46,6 +47,7 @@ def _description(app: FastAPI) -> dict[str, Any]:
         tags=[
             {"name": "submit", "description": "Send a study."},
             {"name": "jobs", "description": "Follow, cancel, restart and erase jobs."},
+            {"name": "batches", "description": "Many jobs under one parent."},
             {"name": "results", "description": "Meshes and measures of a job that succeeded."},
             {"name": "webhooks", "description": "Be told when jobs end."},
             {"name": "operation", "description": "For those who run the service."},
@@ -55,6 +57,7 @@ def _description(app: FastAPI) -> dict[str, Any]:
         [
             (model, "validation")
             for model in (
+                BatchRequest,
                 ContourRequest,
                 LabelRequest,
                 RestartRequest,

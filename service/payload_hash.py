@@ -2,14 +2,18 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 from schemas.job import JobKind, Priority
 from service.form_upload import FormUpload
 
 
-def payload_sha256(kind: JobKind, priority: Priority, upload: FormUpload) -> str:
-    """SHA-256 over address, priority, the JSON's content and the bytes of every file by its part.
+def payload_sha256(
+    kind: JobKind, priority: Priority, upload: FormUpload, membership: Mapping[str, str]
+) -> str:
+    """SHA-256 over address, priority, the JSON's content and the bytes of every file by its part;
+    and over `membership`: which batch it joins, under which name.
 
     The JSON has been found good. Its white space and the order of its keys do not count, nor do
     the form's order, boundary and file names; a default that is spelled out does.
@@ -21,8 +25,15 @@ def payload_sha256(kind: JobKind, priority: Priority, upload: FormUpload) -> str
             "priority": priority.value,
             "request": _digest_of(json.loads(upload.request)),
             "files": {name: _file_sha256(file) for name, file in files.items()},
+            **membership,
         }
     )
+
+
+def batch_sha256(priority: Priority, body: bytes, *, in_lines: bool) -> str:
+    """The same of a batch's body, which has been read once; one in lines counts byte for byte."""
+    request = hashlib.sha256(body).hexdigest() if in_lines else _digest_of(json.loads(body or "{}"))
+    return _digest_of({"kind": "batch", "priority": priority.value, "request": request})
 
 
 def _digest_of(content: Any) -> str:

@@ -8,6 +8,7 @@ from jobs.periodic_thread import PeriodicThread
 from jobs.reconcile import reconcile
 from schemas.problem import InternalError
 from service.access import JobAccess
+from service.batches.unfinished import UnfinishedBatches
 
 log = logging.getLogger("neuralmri.reconciler")
 
@@ -20,6 +21,7 @@ class Reconciler(PeriodicThread):
     def __init__(self, access: JobAccess) -> None:
         super().__init__("reconciler", join_within_s=10.0)
         self._access = access
+        self._batches = UnfinishedBatches(access)
 
     def _run(self) -> None:
         every_s, wait_s = self._access.settings.reconcile_every_s, 0.0
@@ -33,6 +35,7 @@ class Reconciler(PeriodicThread):
                 access.store, access.records, access.queue, access.settings.lost_after_s
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
+            self._batches.take_in()
         except (RedisError, InternalError) as error:
             log.warning("not reconciled, Redis cannot be reached: %s", error)
             return False

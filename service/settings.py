@@ -34,6 +34,9 @@ class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
         ge=1,
         description="Unfinished jobs of one owner; unset, no bound.",
     )
+    max_batch_studies: int = Field(
+        default=100, ge=1, le=1000, description="Studies of one batch, those that join included."
+    )
     batch_turn_s: float = Field(
         default=600.0,
         ge=1.0,

@@ -47,7 +47,7 @@ IfNoneMatch = Annotated[str | None, Header()]
 @router.get("/v1/jobs/{job_id}/artifacts", responses=problems(404, 409))
 def list_artifacts(job_id: str, access: Access) -> Manifest:
     """Every artifact with its bytes and sha256. Each is at `artifacts/{name}`."""
-    return _published(access, access.folder(job_id))
+    return published(access, access.folder(job_id))
 
 
 @router.get(
@@ -73,7 +73,7 @@ def get_artifact(
     return _file(access, job_id, name, if_none_match)
 
 
-def _published(access: JobAccess, folder: JobFolder) -> Manifest:
+def published(access: JobAccess, folder: JobFolder) -> Manifest:
     """The manifest of a job that succeeded. Raises NotReadyError, InternalError."""
     outcome = folder.outcome()
     if outcome is None:
@@ -97,7 +97,7 @@ def _published(access: JobAccess, folder: JobFolder) -> Manifest:
 
 def _file(access: JobAccess, job_id: str, name: str, if_none_match: str | None) -> Response:
     folder = access.folder(job_id)
-    path, media_type, sha256 = _found(folder, _published(access, folder), name)
+    path, media_type, sha256 = _found(folder, published(access, folder), name)
     headers = {
         "ETag": f'"{sha256}"',
         # It may be kept by the caller, who asks each time whether it is still there.

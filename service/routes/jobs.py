@@ -5,6 +5,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Response
 
 from jobs import ending
+from jobs.batch_store import BATCH_ID_PATTERN
 from jobs.store import JOB_ID_PATTERN
 from schemas.job import Job, JobPage, JobState
 from service.access import Access
@@ -21,7 +22,7 @@ _RETRY_AFTER: dict[str, Any] = {
 }
 
 
-@router.get("/v1/jobs", responses=problems(422, 503))
+@router.get("/v1/jobs", responses=problems(404, 422, 503))
 def list_jobs(
     access: Access,
     state: Annotated[JobState | None, Query(description="Only jobs in this state.")] = None,
@@ -30,9 +31,14 @@ def list_jobs(
         str | None,
         Query(pattern=JOB_ID_PATTERN, description="`next_cursor` of the page before."),
     ] = None,
+    batch: Annotated[
+        str | None, Query(pattern=BATCH_ID_PATTERN, description="Only jobs of this batch.")
+    ] = None,
 ) -> JobPage:
     """Your jobs, newest first; with the scope `admin`, everybody's."""
-    page = access.records.page(access.caller.listed_owner, state, limit, cursor)
+    if batch is not None:
+        access.batch(batch)
+    page = access.records.page(access.caller.listed_owner, state, limit, cursor, batch)
     return page.model_copy(update={"jobs": access.line.placed(page.jobs)})
 
 
@@ -81,6 +87,6 @@ def erase_job(job_id: str, access: Access) -> None:
     """
     folder = access.erasable(job_id)
     owner = access.owners.of(folder)
-    if owner is not None and access.caller.key_id is not None:
+    if owner is not None:
         access.erased.remember(job_id, owner)  # first: a crash in between may be repeated
     ending.erase(folder, access.records)

@@ -83,6 +83,8 @@ def restart_job(
     request = again(old, access.store.new_id(), options).model_copy(
         update={
             "priority": terms.priority,
+            "batch_id": terms.batch,
+            "name": terms.name,
             "idempotency": terms.idempotency(old.kind, FormUpload(change_of)),
         }
     )

@@ -45,6 +45,8 @@ def submit_contours(
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
         idempotency=terms.idempotency(JobKind.CONTOURS, upload),
+        batch_id=terms.batch,
+        name=terms.name,
         contours=judged.request,
         references=judged.references,
     )

@@ -50,6 +50,8 @@ def submit_labels(
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
         idempotency=terms.idempotency(JobKind.LABELS, upload),
+        batch_id=terms.batch,
+        name=terms.name,
         labels=judged.request,
         files=names,
         references=judged.references,

@@ -1,4 +1,6 @@
-"""One dispatcher among all service processes: a lock in Redis that runs out by itself."""
+"""One doer among all service processes, the dispatcher unless another is named: a lock in Redis
+that runs out by itself.
+"""
 
 import secrets
 import time
@@ -31,8 +33,9 @@ class DispatchLock:
     a message may then be sent twice, under one id.
     """
 
-    def __init__(self, redis: Redis, hold_s: float) -> None:
+    def __init__(self, redis: Redis, hold_s: float, key: str = _KEY) -> None:
         self._redis = redis
+        self._key = key
         self._hold_s = hold_s
         self._name = secrets.token_hex(16)
         self._held_until_s = 0.0
@@ -55,4 +58,4 @@ class DispatchLock:
         self._eval(_RELEASE, self._name)
 
     def _eval(self, script: str, *arguments: str | int) -> int:
-        return cast(int, cast(Any, self._redis).eval(script, 1, _KEY, *arguments))
+        return cast(int, cast(Any, self._redis).eval(script, 1, self._key, *arguments))
