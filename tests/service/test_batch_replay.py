@@ -26,6 +26,7 @@ from tests.service.callers import Serve
 from tests.service.conftest import Api
 from tests.service.jobs_done import finish
 from tests.service.test_batches import KEY, STUDY, accepted, job_ids, named, no_batches, now, post
+from tests.service.test_events import wait_until
 from tests.service.test_jobs import problem_of
 
 __all__ = ["no_batches"]
@@ -354,3 +355,15 @@ def test_one_batch_that_cannot_be_taken_in_holds_up_no_other(
         UnfinishedBatches(access_of(api)).take_in()
     left = [record.pending for record in map(read, (first, second)) if record]
     assert [bool(pending) for pending in left] == [True, False]
+
+
+@pytest.mark.integration
+def test_the_services_own_reconciler_goes_on(
+    serve: Serve, settings: ServiceSettings, redis: Redis
+) -> None:
+    api = serve(settings.model_copy(update={"reconcile_every_s": 0.2}))
+    die(api, "accepting", 1)
+    redis.delete(LOCK)
+    wait_until(lambda: len(api.store.ids()) == len(NAMES))
+    (here,) = (b["links"]["self"] for b in api.client.get("/v1/batches").json()["batches"])
+    assert api.client.get(here).json()["counts"]["queued"] == len(NAMES)
