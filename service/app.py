@@ -7,12 +7,12 @@ from fastapi import Depends, FastAPI
 from starlette.middleware.cors import CORSMiddleware
 
 from service.access import JobAccess
-from service.admission import admit
 from service.audit import Audited
 from service.audit_log import AuditLog
 from service.body_limit import BodyLimit
 from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
+from service.door import admit
 from service.keys.gate import Gate
 from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route

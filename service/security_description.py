@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from service.admission import API_KEY_HEADER, scope_needed
 from service.documented import problems
+from service.door import API_KEY_HEADER, scope_needed
 
 _SCHEMES: dict[str, Any] = {
     "bearer": {

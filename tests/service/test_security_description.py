@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from schemas.api_key import Scope
-from service.admission import OPEN_PATHS
+from service.door import OPEN_PATHS
 from tests.service.test_openapi import COMMITTED
 
 PATHS: dict[str, Any] = yaml.safe_load(COMMITTED.read_text())["paths"]
