@@ -36,6 +36,8 @@ from service.routes import (
     webhooks,
 )
 from service.settings import ServiceSettings
+from service.tokens.check import TokenCheck
+from service.tokens.keys_at_hand import KeysAtHand
 from service.webhooks.desk import WebhookDesk
 from service.webhooks.dispatcher import Dispatcher
 
@@ -50,10 +52,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     settings = settings or ServiceSettings()
     access = JobAccess.of_settings(settings)
     desk = WebhookDesk.of_settings(settings)
+    issuer_keys = KeysAtHand(settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        async with Listening(settings) as app.state.listening:
+        async with Listening(settings) as app.state.listening, issuer_keys:
             with Reconciler(access), Dispatcher(access, desk):
                 yield
 
@@ -67,7 +70,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         dependencies=[Depends(admit)],
     )
     app.state.access = access
-    app.state.gate = Gate.of(settings.data_dir, settings.require_keys)
+    app.state.gate = Gate.of(
+        settings.data_dir, settings.require_keys, takes_tokens=settings.takes_tokens
+    )
+    app.state.issuer_keys = issuer_keys
+    app.state.tokens = TokenCheck(settings, issuer_keys)
     app.state.webhooks = desk
     install_problem_handlers(app, settings)
     for part in (

@@ -1,12 +1,13 @@
 """Whether the service is alive, and whether it can take and finish work."""
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 from redis.exceptions import RedisError
 
 from schemas.base import WireModel
 from schemas.problem import InternalError, ProblemPart, ProblemType
 from service.access import Access, JobAccess
 from service.documented import problems
+from service.tokens.keys_at_hand import KeysAtHand
 
 router = APIRouter(tags=["operation"])
 
@@ -31,7 +32,7 @@ def healthz() -> Alive:
 
 
 @router.get("/readyz", responses=problems(503))
-def readyz(access: Access) -> Ready:
+def readyz(access: Access, request: Request) -> Ready:
     """Whether a job sent now would be taken and done; if not, the problem lists what is missing.
 
     A worker has to show it: by a heartbeat that it took from the queue and finished within the last
@@ -50,6 +51,9 @@ def readyz(access: Access) -> Ready:
         missing.append(ProblemPart(pointer="redis", detail=detail))
     if not access.store.is_writable():
         missing.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
+    issuer_keys: KeysAtHand = request.app.state.issuer_keys
+    if (why := issuer_keys.missing()) is not None:
+        missing.append(ProblemPart(pointer="issuer", detail=why))
     if missing:
         raise InternalError(
             ProblemType.UNAVAILABLE,

@@ -81,6 +81,6 @@ def erase_job(job_id: str, access: Access) -> None:
     """
     folder = access.erasable(job_id)
     owner = access.owners.of(folder)
-    if owner is not None and access.caller.key_id is not None:
+    if owner is not None and access.caller.is_named:
         access.erased.remember(job_id, owner)  # first: a crash in between may be repeated
     ending.erase(folder, access.records)
