@@ -26,6 +26,7 @@ from cli.serve import serve
 from cli.slice import slice_
 from cli.submit import submit
 from cli.watch import watch
+from cli.webhooks import webhooks
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -51,6 +52,7 @@ app.command("slice")(slice_)
 app.command()(phantom)
 app.command()(demo)
 app.add_typer(keys)
+app.add_typer(webhooks)
 
 
 def main() -> None:
