@@ -2,7 +2,8 @@
 #
 #   make demo      a phantom heart through the whole service, into ./demo
 #   make test      every test
-#   make check     what CI runs: static checks, then every test
+#   make check     static checks, known vulnerabilities, every test; CI runs it without the second
+#   make audit     known vulnerabilities of what constraints.txt pins; says so where nobody can be asked
 #   make bench     accuracy and speed beside classical methods, into docs/benchmarks.md; half an hour
 #   make openapi   write openapi.yaml anew from the code
 #   make clean     remove .venv, caches and ./demo
@@ -20,7 +21,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))
 PYTHON ?= $(shell for p in python3 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && echo $$p && break; done)
 
-.PHONY: demo test bench lint check openapi install clean
+.PHONY: demo test bench lint audit check openapi install clean
 .DELETE_ON_ERROR:
 
 demo: install
@@ -43,7 +44,12 @@ lint: install
 	$(BIN)/python -m service.openapi | diff openapi.yaml - \
 		|| { echo 'openapi.yaml is not what the code says; run: make openapi' >&2; exit 1; }
 
-check: lint test
+audit: install
+	@$(BIN)/python -c 'import pip_audit' 2>/dev/null \
+		|| $(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[audit]' || true
+	$(BIN)/python .ci/audit.py
+
+check: lint audit test
 
 openapi: install
 	$(BIN)/python -m service.openapi > openapi.yaml

@@ -12,23 +12,14 @@ import typer
 from cli.ablation_table import print_ablation
 from cli.console import notice_console, say, say_json
 from cli.input_arguments import (
-    FrameLabels,
     InputArgument,
     JsonFlag,
-    LabelArguments,
-    LabelSchemeText,
-    Lax2File,
-    Lax3File,
-    Lax4File,
     OptionsFile,
     References,
-    SaxFile,
-    SpacingChoice,
-    SubjectId,
 )
 from cli.inputs import ContourInput, read_input
+from cli.label_arguments import LabelArguments, takes_label_maps
 from cli.progress import progress_bar
-from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Axes
 from worker.threads import bind_libraries, use_threads
@@ -38,6 +29,7 @@ if TYPE_CHECKING:
     from worker.reading import Reading
 
 
+@takes_label_maps()
 def ablate(
     out: Annotated[Path, typer.Option(help="Folder for the results.", file_okay=False)],
     study: InputArgument = None,
@@ -49,14 +41,8 @@ def ablate(
         ),
     ] = None,
     options: OptionsFile = None,
-    label_scheme: LabelSchemeText = None,
-    sax: SaxFile = None,
-    lax_2ch: Lax2File = None,
-    lax_3ch: Lax3File = None,
-    lax_4ch: Lax4File = None,
-    subject_id: SubjectId = "subject",
-    frame_labels: FrameLabels = None,
-    spacing: SpacingChoice = Spacing.AUTO,
+    *,
+    maps: LabelArguments,
     threads: Annotated[
         int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
     ] = 1,
@@ -68,9 +54,6 @@ def ablate(
     Into the folder go ablation.json, a row a level and surface, and level-N/NAME.vtp, the surfaces,
     with the distance to the reference at every vertex.
     """
-    maps = LabelArguments(
-        label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
-    )
     bind_libraries(threads)
     given = read_input(study, maps, options, reference or ())
     ends = None if levels is None else parsed_levels(levels)

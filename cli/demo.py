@@ -83,11 +83,12 @@ def _folder(given: Path | None) -> Iterator[Path]:
 
 def _follow(client: "Client", name: str, job_id: str, out: Path) -> None:
     """Wait for a job, fetch its files. Raises where it did not succeed."""
+    from cli.following import wait_for
     from cli.progress import progress_bar
     from cli.server_errors import ended_badly
 
     with progress_bar(name, quiet=False) as bar:
-        job = client.wait(job_id, bar.advanced)
+        job = wait_for(client, job_id, bar.advanced)
     failure = ended_badly(job)
     if failure is not None:
         raise failure

@@ -6,12 +6,22 @@ from collections.abc import Callable
 from cli.client import Client
 from cli.server_errors import ConnectionLostError
 from schemas.event import EventKind, JobEvent
-from schemas.job import Job
+from schemas.job import Job, Progress
 from schemas.problem import ServiceError
 
 _AGAIN_AFTER_S = 1.0
 
 Tell = Callable[[JobEvent], None]
+
+
+def wait_for(client: Client, job_id: str, watch: Callable[[Progress], None]) -> Job:
+    """Follow a job to its end, tell how far it is, and return it. Raises as `follow`."""
+    return follow(client, job_id, lambda event: watch(progress_of(event)))
+
+
+def progress_of(event: JobEvent) -> Progress:
+    """How far the job is, by what an event says."""
+    return event.data.progress if isinstance(event.data, Job) else event.data
 
 
 def follow(client: Client, job_id: str, tell: Tell) -> Job:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TypeVar
 
-from cli.input_arguments import LabelArguments
+from cli.label_arguments import LabelArguments
 from cli.references import reference_files
 from schemas.base import WireModel
 from schemas.labels import LabelRequest, LabelScheme, TissueLabels

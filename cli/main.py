@@ -27,6 +27,7 @@ from cli.slice import slice_
 from cli.submit import submit
 from cli.submit_batch import submit_batch
 from cli.watch import watch
+from cli.webhooks import webhooks
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
@@ -53,6 +54,7 @@ app.command("slice")(slice_)
 app.command()(phantom)
 app.command()(demo)
 app.add_typer(keys)
+app.add_typer(webhooks)
 
 
 def main() -> None:

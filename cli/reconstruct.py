@@ -10,39 +10,25 @@ import typer
 from cli.console import say, say_json
 from cli.effort import tell_effort
 from cli.input_arguments import (
-    FrameLabels,
     InputArgument,
     JsonFlag,
-    LabelArguments,
-    LabelSchemeText,
-    Lax2File,
-    Lax3File,
-    Lax4File,
     OptionsFile,
     References,
-    SaxFile,
-    SpacingChoice,
-    SubjectId,
 )
 from cli.inputs import read_input
+from cli.label_arguments import LabelArguments, takes_label_maps
 from cli.progress import progress_bar
 from cli.summary import print_summary
-from schemas.labels import Spacing
 from worker.threads import bind_libraries
 
 
+@takes_label_maps()
 def reconstruct(
     out: Annotated[Path, typer.Option(help="Folder for the artifacts.", file_okay=False)],
     study: InputArgument = None,
     options: OptionsFile = None,
-    label_scheme: LabelSchemeText = None,
-    sax: SaxFile = None,
-    lax_2ch: Lax2File = None,
-    lax_3ch: Lax3File = None,
-    lax_4ch: Lax4File = None,
-    subject_id: SubjectId = "subject",
-    frame_labels: FrameLabels = None,
-    spacing: SpacingChoice = Spacing.AUTO,
+    *,
+    maps: LabelArguments,
     threads: Annotated[
         int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
     ] = 1,
@@ -50,9 +36,6 @@ def reconstruct(
     as_json: JsonFlag = False,
 ) -> None:
     """Reconstruct one subject here and now, and write the same artifacts as a job."""
-    maps = LabelArguments(
-        label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
-    )
     bind_libraries(threads)
     given = read_input(study, maps, options, reference or ())
 

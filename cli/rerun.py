@@ -10,24 +10,16 @@ import typer
 from cli.console import say, say_json
 from cli.earlier_results import EarlierResults, job_at, results_in
 from cli.input_arguments import (
-    FrameLabels,
     InputArgument,
     JsonFlag,
-    LabelArguments,
-    LabelSchemeText,
-    Lax2File,
-    Lax3File,
-    Lax4File,
     References,
-    SaxFile,
-    SpacingChoice,
 )
 from cli.inputs import ContourInput, LabelInput, read_input
+from cli.label_arguments import LabelArguments, takes_label_maps
 from cli.progress import progress_bar
 from cli.references import reference_files
 from cli.same_results import compare, version_differences
 from cli.server_arguments import DEFAULT_RETRY_WITHIN_S, ApiKeyText, RetryWithin, connected
-from schemas.labels import Spacing
 from schemas.messages import ContourRequest
 from schemas.problem import InputError, ProblemType
 from schemas.report import Report
@@ -37,6 +29,7 @@ if TYPE_CHECKING:
     from cli.client import Client
 
 
+@takes_label_maps(without=("subject_id",))
 def rerun(
     job: Annotated[
         str,
@@ -45,13 +38,8 @@ def rerun(
         ),
     ],
     study: InputArgument = None,
-    label_scheme: LabelSchemeText = None,
-    sax: SaxFile = None,
-    lax_2ch: Lax2File = None,
-    lax_3ch: Lax3File = None,
-    lax_4ch: Lax4File = None,
-    frame_labels: FrameLabels = None,
-    spacing: SpacingChoice = Spacing.AUTO,
+    *,
+    maps: LabelArguments,
     reference: References = None,
     api_key: ApiKeyText = None,
     retry_within: RetryWithin = DEFAULT_RETRY_WITHIN_S,
@@ -63,7 +51,7 @@ def rerun(
     Exit code 0: the same. 1: not the same.
     """
     with tempfile.TemporaryDirectory(prefix="neuralmri-rerun-") as scratch:
-        is_given = study is not None or sax is not None
+        is_given = study is not None or maps.sax is not None
         address = job_at(job)
         if address is None:
             then, request = results_in(Path(job)), None
@@ -77,13 +65,7 @@ def rerun(
                 request, "/study", reference_files(reference or ())
             )
         else:
-            maps = LabelArguments(
-                label_scheme,
-                *(sax, lax_2ch, lax_3ch, lax_4ch),
-                then.report.subject_id,
-                frame_labels,
-                spacing,
-            )
+            maps = replace(maps, subject_id=then.report.subject_id)
             given = read_input(study, maps, None, reference or ())
         now_folder = Path(scratch) / "now"
         now_folder.mkdir()

@@ -61,7 +61,7 @@ def persistently(attempt: Callable[[], T], within_s: float, tell: Callable[[str]
             if again.progressed:
                 deadline_s = time.monotonic() + within_s
                 pause_s = _FIRST_PAUSE_S
-            wait_s = max(again.after_s or 0.0, pause_s * random.uniform(0.5, 1.0))  # noqa: S311
+            wait_s = max(again.after_s or 0.0, pause_s * random.uniform(0.5, 1.0))  # noqa: S311  no secret
             if time.monotonic() + wait_s > deadline_s:
                 raise again.error from again
             tell(f"{again.error.detail}; trying again in {wait_s:.0f} s")

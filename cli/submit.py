@@ -8,21 +8,13 @@ import typer
 from cli.console import notice_console, say, say_json
 from cli.effort import tell_effort
 from cli.input_arguments import (
-    FrameLabels,
     InputArgument,
     JsonFlag,
-    LabelArguments,
-    LabelSchemeText,
-    Lax2File,
-    Lax3File,
-    Lax4File,
     OptionsFile,
     References,
-    SaxFile,
-    SpacingChoice,
-    SubjectId,
 )
 from cli.inputs import ContourInput, read_input
+from cli.label_arguments import LabelArguments, takes_label_maps
 from cli.server_arguments import (
     DEFAULT_RETRY_WITHIN_S,
     LOCAL_SERVER,
@@ -31,10 +23,10 @@ from cli.server_arguments import (
     ServerUrl,
     connected,
 )
-from schemas.labels import Spacing
 from schemas.problem import InputError, ProblemType
 
 
+@takes_label_maps()
 def submit(
     study: InputArgument = None,
     server: ServerUrl = LOCAL_SERVER,
@@ -45,27 +37,19 @@ def submit(
         Path | None, typer.Option(help="With --wait: folder for the artifacts.", file_okay=False)
     ] = None,
     options: OptionsFile = None,
-    label_scheme: LabelSchemeText = None,
-    sax: SaxFile = None,
-    lax_2ch: Lax2File = None,
-    lax_3ch: Lax3File = None,
-    lax_4ch: Lax4File = None,
-    subject_id: SubjectId = "subject",
-    frame_labels: FrameLabels = None,
-    spacing: SpacingChoice = Spacing.AUTO,
+    *,
+    maps: LabelArguments,
     reference: References = None,
     as_json: JsonFlag = False,
 ) -> None:
     """Send one subject to a server; with --wait follow it and fetch the results."""
+    from cli.following import wait_for
     from cli.progress import progress_bar
     from cli.server_errors import ended_badly
     from cli.summary import print_summary
 
     if out is not None and not wait:
         raise InputError(ProblemType.INVALID_REQUEST, "--out needs --wait: add it")
-    maps = LabelArguments(
-        label_scheme, sax, lax_2ch, lax_3ch, lax_4ch, subject_id, frame_labels, spacing
-    )
     given = read_input(study, maps, options, reference or ())
     with connected(server, api_key, retry_within) as client:
         if not as_json and isinstance(given, ContourInput):
@@ -77,7 +61,7 @@ def submit(
             )
         if wait:
             with progress_bar(given.subject_id, quiet=as_json) as bar:
-                job = client.wait(job.id, bar.advanced)
+                job = wait_for(client, job.id, bar.advanced)
             failure = ended_badly(job)
             if failure is not None:
                 raise failure

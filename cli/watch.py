@@ -17,7 +17,6 @@ from cli.server_arguments import (
     is_batch,
 )
 from schemas.event import JobEvent
-from schemas.job import Job
 from schemas.problem import ServiceError
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ def watch(
     Lost connections are made anew. Exit code as of `submit --wait`. A batch is polled; `--json`
     prints it once it has ended.
     """
-    from cli.following import follow
+    from cli.following import follow, progress_of
     from cli.progress import progress_bar
     from cli.server_errors import ended_badly
     from cli.summary import print_summary
@@ -53,8 +52,7 @@ def watch(
                     if as_json:
                         say(event.model_dump_json())
                     else:
-                        data = event.data
-                        bar.advanced(data.progress if isinstance(data, Job) else data)
+                        bar.advanced(progress_of(event))
 
                 job = follow(client, job_id, tell)
         except ServiceError as error:

@@ -16,8 +16,12 @@ RUN : "${TORCH_INDEX_URL:?name an index of CPU builds of torch with --build-arg 
     && pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: --no-deps \
       --index-url "${TORCH_INDEX_URL}" --requirement torch.txt
 # Wheels only: nothing is ever compiled, so no stage needs a compiler.
+# libigl's brings modules that nothing here loads and that may not be passed on like the rest: CGAL
+# (GPL), tetgen (AGPL) and triangle (not for trade).
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
-      --constraint constraints.txt ".[worker]"
+      --constraint constraints.txt ".[worker]" \
+    && rm -r /opt/neuralmri/lib/python3*/site-packages/igl/copyleft \
+      /opt/neuralmri/lib/python3*/site-packages/igl/triangle
 # What sends spans to an OpenTelemetry collector, for who wants it: --build-arg OTEL=true
 ARG OTEL=false
 RUN if [ "${OTEL}" = true ]; then \

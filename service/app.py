@@ -9,12 +9,12 @@ from starlette.middleware.cors import CORSMiddleware
 
 from jobs import spans
 from service.access import JobAccess
-from service.admission import admit
 from service.audit import Audited
 from service.audit_log import AuditLog
 from service.body_limit import BodyLimit
 from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
+from service.door import admit
 from service.keys.gate import Gate
 from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
@@ -41,6 +41,8 @@ from service.routes import (
     webhooks,
 )
 from service.settings import ServiceSettings
+from service.tokens.check import TokenCheck
+from service.tokens.keys_at_hand import KeysAtHand
 from service.webhooks.desk import WebhookDesk
 from service.webhooks.dispatcher import Dispatcher
 
@@ -55,10 +57,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     settings = settings or ServiceSettings()
     access = JobAccess.of_settings(settings)
     desk = WebhookDesk.of_settings(settings)
+    issuer_keys = KeysAtHand(settings)
 
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
-        async with Listening(settings) as app.state.listening:
+        async with Listening(settings) as app.state.listening, issuer_keys:
             try:
                 with Reconciler(access), Dispatcher(access, desk):
                     yield
@@ -75,7 +78,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         dependencies=[Depends(admit)],
     )
     app.state.access = access
-    app.state.gate = Gate.of(settings.data_dir, settings.require_keys)
+    app.state.gate = Gate.of(
+        settings.data_dir, settings.require_keys, takes_tokens=settings.takes_tokens
+    )
+    app.state.issuer_keys = issuer_keys
+    app.state.tokens = TokenCheck(settings, issuer_keys)
     app.state.webhooks = desk
     install_problem_handlers(app, settings)
     for part in (

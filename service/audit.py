@@ -10,7 +10,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from jobs.batch_store import is_batch_id
 from jobs.store import is_job_id
 from schemas.audit import Action, AuditEntry, AuditOutcome
-from schemas.messages import ANONYMOUS
 from service.audit_log import AuditLog
 from service.keys.caller import Caller
 
@@ -98,8 +97,8 @@ def _entry(scope: Scope, status: int, headers: Headers) -> AuditEntry | None:
 
 def _actor(caller: Caller | None, state: dict[str, object]) -> str:
     if caller is None:
-        return str(state.get("refused_key_id") or "unknown")
-    return caller.key_id or ANONYMOUS
+        return str(state.get("refused_actor") or "unknown")
+    return caller.actor
 
 
 def _outcome(status: int) -> AuditOutcome:

@@ -16,7 +16,7 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
         ),
     ),
     401: (
-        "The service asks for an API key, and none that is good came.",
+        "The service asks for an API key or a token, and none that is good came.",
         InputError(
             ProblemType.UNAUTHENTICATED,
             "this service asks for an API key. Remedy: send a key as `Authorization: Bearer ...`.",
@@ -24,7 +24,7 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
         ),
     ),
     403: (
-        "The key lacks the scope of this operation.",
+        "The key or token lacks the scope of this operation.",
         InputError(
             ProblemType.MISSING_SCOPE,
             "this key lacks the scope `submit`. Remedy: use a key made with --scope submit.",

@@ -24,7 +24,7 @@ from schemas.problem import (
     ProblemType,
     ServiceError,
 )
-from service.keys.gate import KeyRefused
+from service.keys.refused import KeyRefused
 from service.route_template import method_and_route
 from service.security_headers import SECURITY_HEADERS
 from service.settings import ServiceSettings

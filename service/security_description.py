@@ -1,9 +1,9 @@
-"""What the API description says about keys: the schemes, and each operation's scope."""
+"""What the API description says about keys and tokens: the schemes, and each operation's scope."""
 
 from typing import Any
 
-from service.admission import API_KEY_HEADER, scope_needed
 from service.documented import problems
+from service.door import API_KEY_HEADER, scope_needed
 
 _SCHEMES: dict[str, Any] = {
     "bearer": {
@@ -18,6 +18,13 @@ _SCHEMES: dict[str, Any] = {
         "in": "header",
         "name": API_KEY_HEADER,
         "description": "The same key, where a proxy needs `Authorization` for itself.",
+    },
+    "token": {
+        "type": "http",
+        "scheme": "bearer",
+        "bearerFormat": "JWT",
+        "description": "An access token (RFC 9068) of the OpenID Connect issuer that the operator "
+        "has named, for this service's audience. A service that trusts no issuer takes none.",
     },
 }
 

@@ -5,10 +5,11 @@ from pydantic import Field, field_validator
 from intake.settings import LimitSettings
 from jobs.settings import JobSettings
 from service.origins import OFF, parse_origins
+from service.tokens.settings import OidcSettings
 from service.webhooks.settings import WebhookSettings
 
 
-class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
+class ServiceSettings(OidcSettings, WebhookSettings, LimitSettings, JobSettings):
     """What the API needs beside the settings it shares with the workers. Read once a process."""
 
     body_within_s: float = Field(

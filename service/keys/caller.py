@@ -1,6 +1,7 @@
 """Who a request comes from, and what that one may do."""
 
 from dataclasses import dataclass
+from datetime import datetime
 
 from jobs.index import ANY_OWNER
 from schemas.api_key import ApiKey, Scope
@@ -9,15 +10,31 @@ from schemas.messages import ANONYMOUS
 
 @dataclass(frozen=True)
 class Caller:
-    """owner: whose jobs the caller works on. key_id: None without a key."""
+    """owner: whose jobs the caller works on. key_id: None without a key.
+
+    subject: whom the issuer's token names, in our own words for it; None without a token.
+    until: when the token ends.
+    """
 
     owner: str
     scopes: frozenset[Scope] = frozenset()
     key_id: str | None = None
+    subject: str | None = None
+    until: datetime | None = None
 
     @classmethod
     def of_key(cls, key: ApiKey) -> "Caller":
         return cls(key.owner, frozenset(key.scopes), key.id)
+
+    @property
+    def actor(self) -> str:
+        """As the audit log has it."""
+        return self.key_id or self.subject or self.owner
+
+    @property
+    def is_named(self) -> bool:
+        """Whether a key or a token says who it is."""
+        return self.key_id is not None or self.subject is not None
 
     @property
     def is_admin(self) -> bool:

@@ -11,6 +11,7 @@ from service.keys import keyring
 from service.keys.key_file import KeyFile
 from service.keys.last_used import LastUsed
 from service.settings import ServiceSettings
+from service.tokens.opaque_id import OWNER_PREFIX
 
 OPERATOR = "operator"
 
@@ -35,6 +36,8 @@ class KeyDesk:
         owner = owner or label
         if not _NAME.fullmatch(owner):
             raise _unfit("owner", "1 to 64 of letters, digits, dot, underscore and hyphen")
+        if owner.startswith(OWNER_PREFIX):
+            raise _unfit("owner", f"no name that begins with {OWNER_PREFIX}: tokens bring those")
         if not scopes:
             raise _unfit("scope", "at least one of read, submit, admin")
         key, token = keyring.create(self._file, label, owner, scopes, lifetime)

@@ -10,7 +10,10 @@ import re
 import secrets
 from dataclasses import dataclass, field
 
-_FORM = re.compile(r"nmri_([0-9a-f]{16})_([0-9a-f]{64})")
+PREFIX = "nmri_"
+"""Of every key, and of no token of an issuer: those begin with JSON in base64."""
+
+_FORM = re.compile(PREFIX + r"([0-9a-f]{16})_([0-9a-f]{64})")
 _ID_BYTES = 8
 _SECRET_BYTES = 32
 
@@ -34,7 +37,7 @@ class Token:
 
     @property
     def text(self) -> str:
-        return f"nmri_{self.key_id}_{self.secret}"
+        return f"{PREFIX}{self.key_id}_{self.secret}"
 
     @property
     def sha256(self) -> str:

@@ -1,6 +1,7 @@
 """GET /v1/jobs/{id}/events."""
 
 from collections.abc import AsyncIterator
+from functools import partial
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
@@ -13,6 +14,7 @@ from service.accept import require_acceptable
 from service.access import Access
 from service.documented import problems
 from service.job_events import job_events, next_events
+from service.keys.gate import Gate
 from service.listening import Listeners
 
 router = APIRouter(tags=["jobs"])
@@ -91,9 +93,10 @@ async def job_event_stream(
     await run_in_threadpool(access.folder, job_id)
     after = EventId.of_text(last_event_id or last_event_id_query) or START
     batch = await next_events(job_id, after, access, listening)
+    gate: Gate = request.app.state.gate
     if batch.is_last and not batch.events:
         return Response(status_code=204)
     return EventStream(
-        job_events(job_id, after, access, listening),
+        job_events(job_id, after, access, listening, partial(gate.still_admits, access.caller)),
         headers={"Cache-Control": "no-store", "X-Accel-Buffering": "no"},
     )

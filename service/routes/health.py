@@ -1,12 +1,13 @@
 """Whether the service is alive, and whether it can take and finish work."""
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
 from schemas.base import WireModel
-from schemas.problem import InternalError, ProblemType
+from schemas.problem import InternalError, ProblemPart, ProblemType
 from service.access import Access
 from service.documented import problems
 from service.readiness import missing
+from service.tokens.keys_at_hand import KeysAtHand
 
 router = APIRouter(tags=["operation"])
 
@@ -31,13 +32,16 @@ def healthz() -> Alive:
 
 
 @router.get("/readyz", responses=problems(503))
-def readyz(access: Access) -> Ready:
+def readyz(access: Access, request: Request) -> Ready:
     """Whether a job sent now would be taken and done; if not, the problem lists what is missing.
 
     A worker has to show it: by a heartbeat that it took from the queue and finished within the last
     minute, store included, or by a job that it holds.
     """
     lacking = missing(access)
+    issuer_keys: KeysAtHand = request.app.state.issuer_keys
+    if (why := issuer_keys.missing()) is not None:
+        lacking.append(ProblemPart(pointer="issuer", detail=why))
     if lacking:
         raise InternalError(
             ProblemType.UNAVAILABLE,

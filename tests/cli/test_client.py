@@ -71,7 +71,7 @@ def test_a_lost_connection_and_a_failing_server_are_no_verdict(serve: Serve) -> 
     )
     seen: list[Progress] = []
     with Client(serve(lambda _: next(answers))) as client:
-        done = client.wait(JOB["id"], seen.append)
+        done = client.poll(JOB["id"], lambda job: seen.append(job.progress))
     assert done.state is JobState.SUCCEEDED
     assert [p.fraction for p in seen] == [0.5, 1.0]
 
@@ -81,14 +81,14 @@ def test_a_server_that_stays_away_is_given_up_without_condemning_the_job(serve: 
         Client(serve(lambda _: None), patience_s=0.2) as client,
         pytest.raises(InternalError, match="it may go on"),
     ):
-        client.wait(JOB["id"], lambda _: None)
+        client.poll(JOB["id"], lambda _: None)
 
 
 def test_a_job_that_is_not_there_is_told_at_once(serve: Serve) -> None:
     problem = InputError(ProblemType.NOT_FOUND, "there is no such job", status=404).problem()
     url = serve(lambda _: (404, problem.model_dump_json().encode()))
     with Client(url) as client, pytest.raises(InputError, match="no such job") as told:
-        client.wait(JOB["id"], lambda _: None)
+        client.poll(JOB["id"], lambda _: None)
     assert told.value.type is ProblemType.NOT_FOUND
     assert told.value.status == 404
 

@@ -82,7 +82,7 @@ def run(
 ) -> Iterator[Callable[[Script], tuple[JobState, list[JobEvent]]]]:
     monkeypatch.setattr("cli.following._AGAIN_AFTER_S", 0.02)
     monkeypatch.setattr("cli.client._POLL_EVERY_S", 0.02)
-    monkeypatch.setattr("cli.client._TIMEOUT", httpx.Timeout(5.0, read=0.5))
+    monkeypatch.setattr("cli.connection._TIMEOUT", httpx.Timeout(5.0, read=0.5))
     started: list[tuple[ThreadingHTTPServer, Script]] = []
 
     def start(script: Script) -> tuple[JobState, list[JobEvent]]:

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
-from cli.input_arguments import LabelArguments
 from cli.inputs import ContourInput, LabelInput, read_input
+from cli.label_arguments import LabelArguments
 from schemas.labels import LabelScheme, Spacing, TissueLabels
 from schemas.options import Preset
 from schemas.problem import InputError

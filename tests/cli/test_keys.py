@@ -85,3 +85,10 @@ def test_a_service_with_a_key_asks_for_it_unless_it_is_told_not_to(
     assert asks_for_keys(data_dir)
     monkeypatch.setenv("NEURALMRI_REQUIRE_KEYS", "false")
     assert not asks_for_keys(data_dir)
+
+
+def test_an_issuer_is_reason_enough_to_ask(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So a server that trusts one may listen beyond the loopback without a key."""
+    monkeypatch.setenv("NEURALMRI_OIDC_ISSUER", "https://id.example.org")
+    monkeypatch.setenv("NEURALMRI_OIDC_AUDIENCE", "neuralmri")
+    assert asks_for_keys(tmp_path)

@@ -133,7 +133,7 @@ def test_an_outside_redis_that_does_not_answer_stops_the_server_with_its_reason(
     ended = subprocess.run(
         [
             *(NEURALMRI, "serve", "--port", str(free_port()), "--data-dir", tmp_path / "data"),
-            *("--redis-url", f"redis://127.0.0.1:{free_port()}/0", "--ready-within", "3"),
+            *("--redis-url", f"redis://127.0.0.1:{free_port()}/0", "--ready-within", "10"),
         ],
         capture_output=True,
         text=True,

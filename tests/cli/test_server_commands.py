@@ -4,12 +4,15 @@ import json
 import os
 import subprocess
 import sysconfig
+import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
 from schemas.job import JobState
+from service.examples import CONTOUR_REQUEST
 from service.settings import ServiceSettings
 from tests.redis_server import RedisServer
 from tests.service.conftest import Api, serving
@@ -137,7 +140,44 @@ def test_bash_completes_commands_and_options(tmp_path: Path) -> None:
         "COMP_WORDS=(neuralmri ca) COMP_CWORD=1\n"
         "_neuralmri_completion neuralmri; echo ${COMPREPLY[@]}\n"
         "COMP_WORDS=(neuralmri list --st) COMP_CWORD=2\n"
+        "_neuralmri_completion neuralmri; echo ${COMPREPLY[@]}\n"
+        "COMP_WORDS=(neuralmri webhooks re) COMP_CWORD=2\n"
         "_neuralmri_completion neuralmri; echo ${COMPREPLY[@]}"
     ).splitlines()
     assert "neuralmri" in completed[0]
-    assert completed[1:] == ["cancel", "--state"]
+    assert completed[1:] == ["cancel", "--state", "remove replay"]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish", "powershell"])
+def test_the_completion_of_each_shell_can_be_shown(shell: str) -> None:
+    """For those who keep their shell's files themselves: nothing is written."""
+    shown = subprocess.run(
+        [NEURALMRI, "--show-completion", shell],
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=60,
+    ).stdout
+    assert "_NEURALMRI_COMPLETE" in shown
+
+
+def test_submit_follows_by_events(api: Api, tmp_path: Path) -> None:
+    """The job is not asked for again and again."""
+    study = tmp_path / "request.json"
+    study.write_text(json.dumps(CONTOUR_REQUEST))
+    with ThreadPoolExecutor(1) as one:
+        sent = one.submit(run, api, "submit", study, "--wait", "--json")
+        while not (ids := api.records.ids()):
+            time.sleep(0.05)
+        time.sleep(2.0)
+        finish(api.store, api.records, ids[0], JobState.SUCCEEDED)
+        done = sent.result(timeout=60.0)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["state"] == "succeeded"
+    counted = [
+        line
+        for line in api.client.get("/metrics").text.splitlines()
+        if line.startswith("neuralmri_http_requests_total") and "/v1/jobs/{job_id}" in line
+    ]
+    assert len(counted) == 1, counted
+    assert 'route="/v1/jobs/{job_id}/events",status="200"} 1.0' in counted[0]

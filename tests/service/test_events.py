@@ -4,6 +4,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from datetime import timedelta
 
 import httpx
 import psutil
@@ -16,8 +17,11 @@ from jobs.event_stream import events_key
 from jobs.redis_client import make_redis
 from schemas.job import JobState, Progress, Stage
 from schemas.problem import ProblemType
+from service.keys import keyring
+from service.keys.key_file import KeyFile
 from service.settings import ServiceSettings
 from tests.redis_server import RedisServer
+from tests.service.callers import bearer, new_key
 from tests.service.conftest import Api
 from tests.service.event_stream import Heard, heard, listening
 from tests.service.jobs_done import claim, finish
@@ -240,7 +244,8 @@ def follow(url: str, is_open: threading.Barrier) -> str:
         lines = answer.iter_lines()
         text = "\n".join(next(lines) for _ in range(3))
         is_open.wait(timeout=30.0)
-        return "\n".join([text, *(line for line in lines if not line.startswith(":"))])
+        # How often the heart beats meanwhile, each time with a blank line, is the machine's affair.
+        return "\n".join([text, *(line for line in lines if line and not line.startswith(":"))])
 
 
 def test_fifty_listeners_hear_the_same_over_a_handful_of_connections(
@@ -320,3 +325,29 @@ def test_without_redis_nobody_can_begin_to_listen(own_api: Api, own_redis: Redis
     own_redis.kill()
     answer = own_api.client.get(f"/v1/jobs/{job_id}/events")
     problem_of(answer, 503, ProblemType.UNAVAILABLE)
+
+
+@pytest.mark.parametrize("end", ["revoked", "expired"])
+def test_a_stream_ends_within_seconds_of_its_key(keyed: Api, end: str) -> None:
+    data_dir = keyed.settings.data_dir
+    lifetime = timedelta(seconds=3) if end == "expired" else None
+    key_id, token = new_key(data_dir, "ours", lifetime=lifetime)
+    keyed.client.headers.update(bearer(token))
+    job_id = submitted(keyed)
+    with listening(keyed, job_id) as stream:
+        assert stream.next().data["state"] == "queued"
+        if end == "revoked":
+            keyring.revoke(KeyFile(data_dir), key_id)
+        assert list(stream) == []
+    assert keyed.client.get(f"/v1/jobs/{job_id}").status_code == 401
+
+
+def test_a_stream_of_anybody_ends_with_the_first_key(
+    settings: ServiceSettings, serve: Callable[[ServiceSettings], Api]
+) -> None:
+    api = serve(settings)
+    job_id = submitted(api)
+    with listening(api, job_id) as stream:
+        stream.next()
+        new_key(settings.data_dir, "ours")
+        assert list(stream) == []

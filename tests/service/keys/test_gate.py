@@ -7,7 +7,8 @@ import pytest
 from schemas.api_key import Scope
 from service.keys import keyring
 from service.keys.caller import EVERYBODY, NOBODY, Caller
-from service.keys.gate import Gate, KeyRefused, require_scope
+from service.keys.gate import Gate, require_scope
+from service.keys.refused import KeyRefused
 from service.keys.token import Token
 
 READ = (Scope.READ,)
@@ -33,7 +34,7 @@ def test_a_key_is_compared_whether_or_not_its_id_is_known(
     for tried in (token.text, Token.new().text):
         with pytest.raises(KeyRefused) as refused:
             gate.caller([tried])
-        said.add((refused.value.detail, refused.value.challenge, refused.value.key_id))
+        said.add((refused.value.detail, refused.value.challenge, refused.value.actor))
     assert len(compared) == 2
     assert len(said) == 1, "neither says whether there is such a key"
 

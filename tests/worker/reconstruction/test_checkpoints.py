@@ -166,7 +166,7 @@ def test_a_finished_fit_keeps_no_optimiser(study: ContourStudy) -> None:
 
 def test_a_checkpoint_cannot_bring_code(study: ContourStudy) -> None:
     import io
-    import pickle
+    import pickle  # noqa: TID251 - names the error that unpickling nothing raises
 
     content = io.BytesIO()
     torch.save({"field": print}, content)

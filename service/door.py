@@ -1,13 +1,18 @@
-"""The door of every operation: a key where keys are asked for, with the scope that it needs.
+"""The door of every operation: a key or token where one is asked for, with the scope that it needs.
 
 It is a dependency of the application, so that it comes before every other, a body's too, and no
 route can be forgotten. Without it a request is NOBODY's and finds no job.
 """
 
 from fastapi import Request
+from starlette.concurrency import run_in_threadpool
 
 from schemas.api_key import Scope
-from service.keys.gate import Gate, KeyRefused, require_scope
+from service.keys.caller import Caller
+from service.keys.gate import Gate, require_scope
+from service.keys.refused import KeyRefused
+from service.keys.token import PREFIX
+from service.tokens.check import TokenCheck
 
 API_KEY_HEADER = "X-API-Key"
 
@@ -27,26 +32,38 @@ def scope_needed(method: str, path: str) -> Scope | None:
     return Scope.READ if method.upper() in _READING else Scope.SUBMIT
 
 
-def admit(request: Request) -> None:
-    """Note in `request.state.caller` who calls. Raises KeyRefused (401, 403)."""
+async def admit(request: Request) -> None:
+    """Note in `request.state.caller` who calls.
+
+    Raises KeyRefused (401, 403), and InternalError (503) for a token that cannot be checked now.
+    """
     scope = scope_needed(request.method, request.scope["route"].path)
     if scope is None:
         return
-    gate: Gate = request.app.state.gate
     try:
-        caller = gate.caller(_presented(request))
+        caller = await _caller(request)
         require_scope(caller, scope)
     except KeyRefused as refused:
-        request.state.refused_key_id = refused.key_id
+        request.state.refused_actor = refused.actor
         raise
     request.state.caller = caller
 
 
-def _presented(request: Request) -> list[str]:
-    """Keys in the headers. Other schemes of Authorization are a proxy's matter, not ours."""
+async def _caller(request: Request) -> Caller:
+    gate: Gate = request.app.state.gate
+    tokens: TokenCheck = request.app.state.tokens
     keys = [value.strip() for value in request.headers.getlist(API_KEY_HEADER)]
+    borne = _borne(request)
+    if gate.takes_tokens and not keys and len(set(borne)) == 1 and not borne[0].startswith(PREFIX):
+        return await tokens.caller(borne[0])
+    return await run_in_threadpool(gate.caller, keys + borne)
+
+
+def _borne(request: Request) -> list[str]:
+    """Bearers' keys and tokens. Other schemes of Authorization are a proxy's matter, not ours."""
+    found = []
     for value in request.headers.getlist("Authorization"):
         scheme, _, credentials = value.strip().partition(" ")
         if scheme.lower() == "bearer":
-            keys.append(credentials.strip())
-    return keys
+            found.append(credentials.strip())
+    return found
