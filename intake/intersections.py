@@ -91,9 +91,9 @@ def _along_lines(slices: list[PlacedSlice], pairs: Indices) -> tuple[Array, Arra
     # Every line crosses a ring an even number of times, so the parities may run on over all.
     in_a, in_b = np.cumsum(is_first) % 2 == 1, np.cumsum(~is_first) % 2 == 1
     steps = widths(x[order])
-    shared: Array = np.bincount(pair, weights=steps * (in_a & in_b), minlength=len(pairs))
-    joint: Array = np.bincount(pair, weights=steps * (in_a | in_b), minlength=len(pairs))
-    return shared, joint
+    shared = np.bincount(pair, weights=steps * (in_a & in_b), minlength=len(pairs))
+    joint = np.bincount(pair, weights=steps * (in_a | in_b), minlength=len(pairs))
+    return np.asarray(shared, dtype=np.float64), np.asarray(joint, dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
