@@ -41,6 +41,7 @@ class Record:
     idempotency: Idempotency | None = None
     traceparent: str | None = None
     stage_s: Mapping[Stage, float] = field(default_factory=dict)
+    work: float = 1.0
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -55,6 +56,7 @@ class Record:
             priority=request.priority,
             idempotency=request.idempotency,
             traceparent=request.traceparent,
+            work=request.work,
         )
 
     @classmethod
@@ -73,11 +75,12 @@ class Record:
             restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
-            # These four are not there in records of an older release.
+            # These five are not there in records of an older release.
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
             traceparent=fields.get("traceparent") or None,
             stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
+            work=float(fields.get("work", 1.0)),
         )
 
     def fields(self) -> dict[str, str]:
@@ -98,6 +101,7 @@ class Record:
             "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
             "traceparent": self.traceparent or "",
             "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
+            "work": str(self.work),
         }
 
     def is_held(self, now_us: int) -> bool:

@@ -23,6 +23,7 @@ from jobs.errors import StaleToken
 from jobs.event_stream import add_event
 from jobs.idempotency_keys import Wholeness, move_key
 from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
+from jobs.line_work import move_work
 from jobs.record import Record
 from jobs.redis_clock import now_us
 from jobs.runtimes import note_runtime
@@ -220,6 +221,7 @@ class JobRecords:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                move_work(pipe, before, after)
                 give_up_place(pipe, before, after)
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)

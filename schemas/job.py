@@ -103,8 +103,8 @@ class Job(WireModel):
     estimated_start_s: float | None = Field(
         default=None,
         ge=0.0,
-        description="While queued: seconds until a worker starts it, by the mean runtime of the "
-        "last jobs. Null before there is one to go by, and while no worker is alive.",
+        description="While queued: seconds until a worker starts it, by the pace of the last "
+        "jobs. Null before there is one to go by, and while no worker is alive.",
     )
     progress: Progress = Field(default_factory=Progress)
     created_at: datetime

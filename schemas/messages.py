@@ -62,6 +62,9 @@ class JobRequest(WireModel):
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
     restarted_from: str | None = None
+    work: float = Field(
+        default=1.0, gt=0.0, description="Expected, in standard fits of one frame; for estimates."
+    )
     traceparent: str | None = Field(
         default=None, description="W3C trace context of the request that brought the job."
     )

@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 from fastapi import APIRouter, Response
 
+from intake.work import contour_work
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
 from service.acceptance import accept
@@ -47,6 +48,7 @@ def submit_contours(
         idempotency=terms.idempotency(JobKind.CONTOURS, upload),
         contours=judged.request,
         references=judged.references,
+        work=contour_work(judged.request.study, judged.request.options),
     )
     inputs = {judged.references[surface]: file for surface, file in upload.references.items()}
     return answer(accept(access, request, inputs, owner, response), response, 202)

@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 from fastapi import APIRouter, Response
 
 from intake.inflate import is_gzip
+from intake.work import label_work
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
 from service.acceptance import accept
@@ -53,6 +54,7 @@ def submit_labels(
         labels=judged.request,
         files=names,
         references=judged.references,
+        work=label_work(judged.frames, judged.request.options),
     )
     inputs = {
         **{names[view]: file for view, file in judged.maps.items()},
