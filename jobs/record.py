@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 from pydantic import TypeAdapter
 
@@ -42,6 +42,7 @@ class Record:
     traceparent: str | None = None
     stage_s: Mapping[Stage, float] = field(default_factory=dict)
     work: float = 1.0
+    retain_s: float | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -57,6 +58,7 @@ class Record:
             idempotency=request.idempotency,
             traceparent=request.traceparent,
             work=request.work,
+            retain_s=request.retain_s,
         )
 
     @classmethod
@@ -75,12 +77,13 @@ class Record:
             restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
-            # These five are not there in records of an older release.
+            # These six are not there in records of an older release.
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
             traceparent=fields.get("traceparent") or None,
             stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
             work=float(fields.get("work", 1.0)),
+            retain_s=float(fields["retain_s"]) if fields.get("retain_s") else None,
         )
 
     def fields(self) -> dict[str, str]:
@@ -102,7 +105,15 @@ class Record:
             "traceparent": self.traceparent or "",
             "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
             "work": str(self.work),
+            "retain_s": "" if self.retain_s is None else str(self.retain_s),
         }
+
+    @property
+    def expires_at(self) -> datetime | None:
+        """When it is to be erased; None for never, or not yet ended."""
+        if self.finished_at is None or self.retain_s is None or not self.state.is_terminal:
+            return None
+        return self.finished_at + timedelta(seconds=self.retain_s)
 
     def is_held(self, now_us: int) -> bool:
         return not self.state.is_terminal and self.free_from_us > now_us
@@ -144,6 +155,7 @@ class Record:
             finished_at=self.finished_at,
             attempt=self.attempt,
             error=self.error,
+            expires_at=self.expires_at,
             restarted_from=self.restarted_from,
             trace_id=trace.trace_id if trace else None,
             links=Links(

@@ -21,6 +21,7 @@ from jobs.admission import give_up_place
 from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
 from jobs.event_stream import add_event
+from jobs.expiry import move_expiry
 from jobs.idempotency_keys import Wholeness, move_key
 from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
 from jobs.line_work import move_work
@@ -222,6 +223,7 @@ class JobRecords:
                 pipe.multi()
                 move_in_index(pipe, before, after)
                 move_work(pipe, before, after)
+                move_expiry(pipe, before, after)
                 give_up_place(pipe, before, after)
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)

@@ -112,6 +112,9 @@ class Job(WireModel):
     finished_at: datetime | None = None
     attempt: int = Field(default=0, ge=0, description="How often a worker has started it.")
     error: Problem | None = None
+    expires_at: datetime | None = Field(
+        default=None, description="When an ended job will be erased; null: never, or not ended."
+    )
     restarted_from: str | None = Field(
         default=None, description="The job that this one does anew; it may have been erased since."
     )

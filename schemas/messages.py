@@ -62,6 +62,9 @@ class JobRequest(WireModel):
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
     restarted_from: str | None = None
+    retain_s: float | None = Field(
+        default=None, gt=0.0, description="How long the job is kept after its end; null: for ever."
+    )
     work: float = Field(
         default=1.0, gt=0.0, description="Expected, in standard fits of one frame; for estimates."
     )

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 from fastapi import Depends, Request
+from redis import Redis
 
 from jobs.admission import Admission
 from jobs.erased import ErasedJobs
@@ -40,6 +41,7 @@ class JobAccess:
     admission: Admission
     owners: JobOwners
     erased: ErasedJobs
+    redis: Redis
     caller: Caller = NOBODY
 
     @classmethod
@@ -57,6 +59,7 @@ class JobAccess:
             admission=Admission(redis, settings.max_queued_jobs, settings.max_jobs_per_owner),
             owners=JobOwners(),
             erased=ErasedJobs(redis),
+            redis=redis,
         )
 
     def live_workers(self) -> list[str]:

@@ -2,14 +2,17 @@
 
 import hashlib
 import json
+from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 from schemas.job import JobKind, Priority
 from service.form_upload import FormUpload
 
 
-def payload_sha256(kind: JobKind, priority: Priority, upload: FormUpload) -> str:
-    """SHA-256 over address, priority, the JSON's content and the bytes of every file by its part.
+def payload_sha256(
+    kind: JobKind, priority: Priority, upload: FormUpload, terms: Mapping[str, str]
+) -> str:
+    """SHA-256 over address, terms, the JSON's content and the bytes of every file by its part.
 
     The JSON has been found good. Its white space and the order of its keys do not count, nor do
     the form's order, boundary and file names; a default that is spelled out does.
@@ -21,6 +24,7 @@ def payload_sha256(kind: JobKind, priority: Priority, upload: FormUpload) -> str
             "priority": priority.value,
             "request": _digest_of(json.loads(upload.request)),
             "files": {name: _file_sha256(file) for name, file in files.items()},
+            **terms,
         }
     )
 

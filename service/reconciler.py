@@ -1,4 +1,4 @@
-"""The background thread that makes Redis agree with the folders."""
+"""The background thread that makes Redis agree with the folders, and erases expired jobs."""
 
 import logging
 import threading
@@ -9,6 +9,8 @@ from redis.exceptions import RedisError
 from jobs.reconcile import reconcile
 from schemas.problem import InternalError
 from service.access import JobAccess
+from service.audit_log import AuditLog
+from service.retention import Retention
 
 log = logging.getLogger("neuralmri.reconciler")
 
@@ -20,6 +22,7 @@ class Reconciler:
 
     def __init__(self, access: JobAccess) -> None:
         self._access = access
+        self._retention = Retention(access, AuditLog.of_settings(access.settings))
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
 
@@ -48,6 +51,7 @@ class Reconciler:
                 access.store, access.records, access.queue, access.settings.lost_after_s
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
+            erased = self._retention.erase_expired()
         except (RedisError, InternalError) as error:
             log.warning("not reconciled, Redis cannot be reached: %s", error)
             return False
@@ -57,4 +61,6 @@ class Reconciler:
             return False
         if mended.is_something:
             log.info("reconciled: %s", mended)
+        if erased:
+            log.info("erased %d jobs that had expired", erased)
         return True

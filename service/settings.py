@@ -34,6 +34,12 @@ class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
         ge=1,
         description="Unfinished jobs of one owner; unset, no bound.",
     )
+    retention_days: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=36525.0,
+        description="How long jobs are kept after their end; unset, until somebody erases them.",
+    )
     batch_turn_s: float = Field(
         default=600.0,
         ge=1.0,

@@ -85,6 +85,7 @@ def restart_job(
     request = again(old, access.store.new_id(), options).model_copy(
         update={
             "priority": terms.priority,
+            "retain_s": terms.retain_s(access.settings),
             "idempotency": terms.idempotency(old.kind, FormUpload(change_of)),
             "work": _work(old, options),
         }

@@ -45,6 +45,7 @@ def submit_contours(
         kind=JobKind.CONTOURS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        retain_s=terms.retain_s(access.settings),
         idempotency=terms.idempotency(JobKind.CONTOURS, upload),
         contours=judged.request,
         references=judged.references,

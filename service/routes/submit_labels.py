@@ -50,6 +50,7 @@ def submit_labels(
         kind=JobKind.LABELS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        retain_s=terms.retain_s(access.settings),
         idempotency=terms.idempotency(JobKind.LABELS, upload),
         labels=judged.request,
         files=names,
