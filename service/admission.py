@@ -8,6 +8,7 @@ from fastapi import Request
 
 from schemas.api_key import Scope
 from service.keys.gate import Gate, KeyRefused, require_scope
+from service.rate_limits import RateLimits
 
 API_KEY_HEADER = "X-API-Key"
 
@@ -28,18 +29,22 @@ def scope_needed(method: str, path: str) -> Scope | None:
 
 
 def admit(request: Request) -> None:
-    """Note in `request.state.caller` who calls. Raises KeyRefused (401, 403)."""
+    """Note in `request.state.caller` who calls. Raises KeyRefused (401, 403), InputError (429)."""
     scope = scope_needed(request.method, request.scope["route"].path)
     if scope is None:
         return
     gate: Gate = request.app.state.gate
+    rates: RateLimits = request.app.state.rates
     try:
         caller = gate.caller(_presented(request))
         require_scope(caller, scope)
     except KeyRefused as refused:
         request.state.refused_key_id = refused.key_id
+        if refused.key_id is None:
+            rates.refuse(request)
         raise
     request.state.caller = caller
+    rates.admit(request, caller)
 
 
 def _presented(request: Request) -> list[str]:

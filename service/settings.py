@@ -34,6 +34,18 @@ class ServiceSettings(WebhookSettings, LimitSettings, JobSettings):
         ge=1,
         description="Unfinished jobs of one owner; unset, no bound.",
     )
+    calls_per_minute: int = Field(
+        default=6000, ge=0, le=10**6, description="Requests of one key, or address; 0: no limit."
+    )
+    submits_per_minute: int = Field(
+        default=600, ge=0, le=10**6, description="Submissions of one key, or address; 0: no limit."
+    )
+    refusals_per_minute: int = Field(
+        default=60,
+        ge=0,
+        le=10**6,
+        description="Requests without a good key from one address that are told so; 0: no limit.",
+    )
     retention_days: float | None = Field(
         default=None,
         gt=0.0,
