@@ -43,6 +43,8 @@ class Record:
     stage_s: Mapping[Stage, float] = field(default_factory=dict)
     work: float = 1.0
     retain_s: float | None = None
+    content_sha256: str | None = None
+    code_version: str | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -59,6 +61,7 @@ class Record:
             traceparent=request.traceparent,
             work=request.work,
             retain_s=request.retain_s,
+            content_sha256=request.content_sha256,
         )
 
     @classmethod
@@ -77,13 +80,15 @@ class Record:
             restarted_from=fields.get("restarted_from") or None,
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
-            # These six are not there in records of an older release.
+            # These eight are not there in records of an older release.
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
             traceparent=fields.get("traceparent") or None,
             stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
             work=float(fields.get("work", 1.0)),
             retain_s=float(fields["retain_s"]) if fields.get("retain_s") else None,
+            content_sha256=fields.get("content_sha256") or None,
+            code_version=fields.get("code_version") or None,
         )
 
     def fields(self) -> dict[str, str]:
@@ -105,6 +110,8 @@ class Record:
             "traceparent": self.traceparent or "",
             "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
             "work": str(self.work),
+            "content_sha256": self.content_sha256 or "",
+            "code_version": self.code_version or "",
             "retain_s": "" if self.retain_s is None else str(self.retain_s),
         }
 
@@ -138,6 +145,7 @@ class Record:
             error=outcome.error,
             progress=progress,
             stage_s=outcome.stage_s,
+            code_version=outcome.code_version,
         )
 
     def job(self) -> Job:

@@ -27,6 +27,7 @@ from jobs.index import ANY_OWNER, index_key, move_in_index, record_key
 from jobs.line_work import move_work
 from jobs.record import Record
 from jobs.redis_clock import now_us
+from jobs.reusable import move_reusable
 from jobs.runtimes import note_runtime
 from jobs.tallies import tally
 from schemas.job import Job, JobPage, JobState, Progress
@@ -224,6 +225,7 @@ class JobRecords:
                 move_in_index(pipe, before, after)
                 move_work(pipe, before, after)
                 move_expiry(pipe, before, after)
+                move_reusable(pipe, before, after)
                 give_up_place(pipe, before, after)
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)

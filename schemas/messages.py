@@ -62,6 +62,9 @@ class JobRequest(WireModel):
     files: dict[View, str] = Field(default_factory=dict)
     references: dict[str, str] = Field(default_factory=dict)
     restarted_from: str | None = None
+    content_sha256: str | None = Field(
+        default=None, description="Of study, options and files: what the results depend on."
+    )
     retain_s: float | None = Field(
         default=None, gt=0.0, description="How long the job is kept after its end; null: for ever."
     )
@@ -89,6 +92,11 @@ class Outcome(WireModel):
     finished_at: datetime
     attempt: int
     error: Problem | None = None
+    code_version: str | None = Field(
+        default=None,
+        description="Of the code that made the results; null where none did, or it "
+        "is not known which.",
+    )
     stage_s: dict[Stage, float] = Field(
         default_factory=dict, description="Seconds that the last attempt spent in each stage."
     )

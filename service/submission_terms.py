@@ -18,6 +18,10 @@ _PRIORITY = (
     "one priority the oldest. While interactive jobs keep coming, a batch job has its turn from "
     "time to time."
 )
+_REUSE = (
+    "Have an earlier job of yours, where one has succeeded with the same study, options and files "
+    "by the code that the workers have now: 200 and that job. Otherwise a new one is accepted."
+)
 _RETAIN_S = (
     "Erase the job so many seconds after its end, however it ends. No more than the service keeps "
     "jobs for; left out, that long."
@@ -37,9 +41,11 @@ class SubmissionTerms:
         idempotency_key: Annotated[
             str | None, Header(pattern=r"^[ -~]{1,255}$", description=_IDEMPOTENCY_KEY)
         ] = None,
+        reuse: Annotated[bool, Query(description=_REUSE)] = False,
         retain_s: Annotated[int | None, Query(ge=60, le=_CENTURY_S, description=_RETAIN_S)] = None,
     ) -> None:
         self.priority = priority
+        self.reuse = reuse
         self._key = idempotency_key
         self._retain_s = retain_s
 

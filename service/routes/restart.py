@@ -92,7 +92,8 @@ def restart_job(
     )
     _judge(request, limits)
     inputs = stored_inputs(folder, old)
-    return answer(accept(access, request, inputs, old.owner, response), response, 202)
+    job = accept(access, request, inputs, old.owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)
 
 
 def _work(old: JobRequest, options: Options) -> float:

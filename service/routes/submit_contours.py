@@ -52,4 +52,5 @@ def submit_contours(
         work=contour_work(judged.request.study, judged.request.options),
     )
     inputs = {judged.references[surface]: file for surface, file in upload.references.items()}
-    return answer(accept(access, request, inputs, owner, response), response, 202)
+    job = accept(access, request, inputs, owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)

@@ -61,4 +61,5 @@ def submit_labels(
         **{names[view]: file for view, file in judged.maps.items()},
         **{judged.references[surface]: file for surface, file in upload.references.items()},
     }
-    return answer(accept(access, request, inputs, owner, response), response, 202)
+    job = accept(access, request, inputs, owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)
