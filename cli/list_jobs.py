@@ -49,4 +49,7 @@ def list_jobs(
 def _line(job: Job) -> str:
     accepted = job.created_at.isoformat(timespec="seconds")
     done = f"{job.progress.fraction:.0%}"
-    return f"{job.id}  {job.kind:<8}  {job.state:<10}  {done:>4}  {accepted}"
+    line = f"{job.id}  {job.kind:<8}  {job.state:<10}  {done:>4}  {accepted}"
+    if job.expires_at is None:
+        return line
+    return f"{line}  expires {job.expires_at.isoformat(timespec='seconds')}"

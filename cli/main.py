@@ -10,6 +10,7 @@ from typing import NoReturn
 import typer
 
 from cli.ablate import ablate
+from cli.audit import audit
 from cli.cancel import cancel
 from cli.console import complain
 from cli.demo import demo
@@ -51,6 +52,7 @@ app.command()(rerun)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)
+app.command()(audit)
 app.command()(phantom)
 app.command()(demo)
 app.add_typer(keys)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
-from cli.console import say
+from cli.console import notice_console, say
 from cli.exit_code import exit_code
 from cli.server_arguments import (
     DEFAULT_RETRY_WITHIN_S,
@@ -60,6 +60,9 @@ def watch(
                 raise
             say(error.problem().model_dump_json(exclude_none=True))
             raise typer.Exit(exit_code(error)) from error
+        if job.expires_at is not None and not as_json:
+            until = job.expires_at.isoformat(timespec="minutes")
+            notice_console.print(f"the job is kept until {until}", soft_wrap=True)
         failure = ended_badly(job)
         if failure is not None:
             if not as_json:

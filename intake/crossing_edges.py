@@ -1,12 +1,19 @@
 """Which edges of an outline cross each other."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.even_odd import following
+from intake.edges import batches, edges_of
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
+
+Outline = tuple[Array, bool]
+"""Points (n, 2), n >= 2, and whether the last joins the first."""
+
+Found = tuple[Indices, Indices] | None
 
 _ODD_ANGLE = 0.6180339887
 """Radians: pixel outlines have runs of level edges, which this turns into disjoint intervals."""
@@ -14,31 +21,63 @@ _ODD_ANGLE = 0.6180339887
 _PAIRS_AN_EDGE = 50
 """Candidates an edge before the search is given up: a heart's outline has about four."""
 
+_EDGES_AT_ONCE = 8192
 
-def crossing_edges(points: Array, closed: bool) -> tuple[Indices, Indices] | None:
-    """Pairs (i, j), i < j, of edges that properly cross; edge i leaves point i of `points` (n, 2).
+_GAP = 1.0
+"""Between outlines side by side: far more than rounding moves them."""
 
-    Edges that touch, overlap or share an end do not count. Answers None when the outline is so
+
+def crossing_edges(outlines: Sequence[Outline]) -> list[Found]:
+    """Of each outline, pairs (i, j), i < j, of edges that properly cross; edge i leaves point i.
+
+    Edges that touch, overlap or share an end do not count. Answers None for an outline that is so
     tangled that looking at every candidate would cost too much.
     """
-    a = points if closed else points[:-1]
-    b = following(points)[: len(a)]
-    c, s = np.cos(_ODD_ANGLE), np.sin(_ODD_ANGLE)
-    xa, xb = a @ np.array([c, s]), b @ np.array([c, s])
-    order = np.argsort(np.minimum(xa, xb), kind="stable")
-    low, high = np.minimum(xa, xb)[order], np.maximum(xa, xb)[order]
+    sizes = [len(points) for points, _ in outlines]
+    return [one for run in batches(sizes, _EDGES_AT_ONCE) for one in _together(outlines[run])]
+
+
+def _together(outlines: Sequence[Outline]) -> list[Found]:
+    edges = edges_of([points for points, _ in outlines])
+    counts = np.array([len(points) for points, _ in outlines])
+    starts = np.cumsum(counts) - counts
+    is_edge = np.ones(len(edges.start), dtype=np.bool_)
+    is_open = np.array([not closed for _, closed in outlines])
+    is_edge[(starts + counts - 1)[is_open]] = False
+    (at,) = np.nonzero(is_edge)
+    a, b, outline = edges.start[at], edges.end[at], edges.ring[at]
+    low, high = _apart(a, b, outline)
+    order = np.argsort(low, kind="stable")
+    low, high, outline = low[order], high[order], outline[order]
     # Sorted by their left ends, the edges that overlap edge k to its right follow it in a run.
     spans = np.searchsorted(low, high, side="right") - np.arange(1, len(low) + 1)
-    if spans.sum() > _PAIRS_AN_EDGE * len(low) + 10_000:
-        return None
+    candidates = np.bincount(outline, weights=spans, minlength=len(outlines))
+    edge_counts = np.bincount(outline, minlength=len(outlines))
+    tangled = candidates > _PAIRS_AN_EDGE * edge_counts + 10_000
+    spans[tangled[outline]] = 0
     first = np.repeat(np.arange(len(low)), spans)
     second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(spans) - spans, spans)
     i, j = order[first], order[second]
-    crosses = (_side(a[i], b[i], a[j]) * _side(a[i], b[i], b[j]) < 0) & (
-        _side(a[j], b[j], a[i]) * _side(a[j], b[j], b[i]) < 0
+    ai, bi, aj, bj = a[i], b[i], a[j], b[j]
+    crosses = (_side(ai, bi, aj) * _side(ai, bi, bj) < 0) & (
+        _side(aj, bj, ai) * _side(aj, bj, bi) < 0
     )
-    i, j = i[crosses], j[crosses]
-    return np.minimum(i, j), np.maximum(i, j)
+    of = outline[first[crosses]]
+    i, j = at[i[crosses]] - starts[of], at[j[crosses]] - starts[of]
+    least, most = np.minimum(i, j), np.maximum(i, j)
+    return [None if tangled[k] else (least[of == k], most[of == k]) for k in range(len(outlines))]
+
+
+def _apart(a: Array, b: Array, outline: Indices) -> tuple[Array, Array]:
+    """The edges' intervals on a line at an odd angle, each outline's beyond the last one's."""
+    direction = np.array([np.cos(_ODD_ANGLE), np.sin(_ODD_ANGLE)])
+    xa, xb = a @ direction, b @ direction
+    low, high = np.minimum(xa, xb), np.maximum(xa, xb)
+    firsts = np.flatnonzero(np.diff(outline, prepend=-1))
+    left, right = np.minimum.reduceat(low, firsts), np.maximum.reduceat(high, firsts)
+    width = 1.001 * (right - left) + _GAP
+    shift = (np.cumsum(width) - width - left)[outline]
+    return low + shift, high + shift
 
 
 def _side(a: Array, b: Array, p: Array) -> Array:

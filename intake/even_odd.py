@@ -52,15 +52,6 @@ def crossings(rings: Sequence[Array], heights: Array) -> Iterator[tuple[Indices,
         start = stop
 
 
-def crossings_of_axis(rings: Sequence[Array]) -> Array:
-    """Where the line at height 0 crosses the rings: abscissae (k,), in no order."""
-    low, high = _edges(rings)
-    spans = (low[:, 1] <= 0.0) & (high[:, 1] > 0.0)
-    low, high = low[spans], high[spans]
-    at: Array = low[:, 0] - low[:, 1] / (high[:, 1] - low[:, 1]) * (high[:, 0] - low[:, 0])
-    return at
-
-
 def following(ring: Array) -> Array:
     """Each point's successor (n, ...) on a ring (n, ...); `np.roll` takes three times as long."""
     return np.concatenate([ring[1:], ring[:1]])

@@ -1,18 +1,18 @@
 """Do slices that cross agree along the lines they share?"""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.even_odd import crossings_of_axis, widths
+from intake.edges import batches, edges_of, order_along
+from intake.even_odd import widths
 from intake.placed import PlacedFrame, PlacedSlice
-from intake.planes import cross
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Structure
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 REFUSED_BELOW, NOTED_BELOW = 0.4, 0.8
 """Shared over joint length of the structures along all lines. Hearts whose slices were shifted by
@@ -23,21 +23,10 @@ _CROSSING_COSINE = float(np.cos(np.deg2rad(20.0)))
 _PAIRS = 200
 """Pairs of slices looked at in a frame, evenly chosen when there are more."""
 
+_POINTS_AT_ONCE = 1_000_000
+"""Points times lines of one step; bounds its memory."""
 
-@dataclass
-class _Tally:
-    """Lengths, mm, over the lines of one slice or of a frame."""
-
-    shared: float = 0.0
-    joint: float = 0.0
-
-    def add(self, shared: float, joint: float) -> None:
-        self.shared += shared
-        self.joint += joint
-
-    @property
-    def likeness(self) -> float:
-        return self.shared / self.joint if self.joint else 1.0
+_NUMBER = {structure: number for number, structure in enumerate(Structure)}
 
 
 def check_intersections(frame: PlacedFrame, extent_mm: float) -> list[str]:
@@ -48,20 +37,21 @@ def check_intersections(frame: PlacedFrame, extent_mm: float) -> list[str]:
     """
     outlined = [s for s in frame.slices if s.contours]
     pairs = _crossing_pairs(outlined)
-    whole, of_slice = _Tally(), {s.id: _Tally() for s in outlined}
-    for a, b in pairs[:: 1 + len(pairs) // _PAIRS]:
-        both = [structure for structure in a.structures if structure in b.structures]
-        for shared, joint in _along_line(a, b, both):
-            for tally in (whole, of_slice[a.id], of_slice[b.id]):
-                tally.add(shared, joint)
-    if whole.likeness >= NOTED_BELOW or whole.joint < 0.5 * extent_mm:
+    pairs = pairs[:: 1 + len(pairs) // _PAIRS]
+    shared, joint = _along_lines(outlined, pairs)
+    whole_mm = float(joint.sum())
+    likeness = float(shared.sum()) / whole_mm if whole_mm else 1.0
+    if likeness >= NOTED_BELOW or whole_mm < 0.5 * extent_mm:
         return []
-    worst = max(outlined, key=lambda s: of_slice[s.id].joint - of_slice[s.id].shared)
+    unlike = np.zeros(len(outlined))
+    for side in range(2):
+        np.add.at(unlike, pairs[:, side], joint - shared)
+    worst = outlined[int(np.argmax(unlike))]
     said = (
         f"Frame {frame.label}: along the lines where slices cross, their contours share only "
-        f"{100 * whole.likeness:.0f} %; slice {worst.id} disagrees most"
+        f"{100 * likeness:.0f} %; slice {worst.id} disagrees most"
     )
-    if whole.likeness >= REFUSED_BELOW:
+    if likeness >= REFUSED_BELOW:
         return [f"{said}. Check that its plane is right and that it is of the same instant."]
     raise InputError(
         ProblemType.CONTRADICTING_SLICES,
@@ -71,38 +61,93 @@ def check_intersections(frame: PlacedFrame, extent_mm: float) -> list[str]:
     )
 
 
-def _crossing_pairs(slices: list[PlacedSlice]) -> list[tuple[PlacedSlice, PlacedSlice]]:
+def _crossing_pairs(slices: list[PlacedSlice]) -> Indices:
+    """Which slices (k, 2) cross at a steep enough angle."""
     if not slices:
-        return []
+        return np.empty((0, 2), dtype=np.intp)
     normals = np.stack([s.plane.normal for s in slices])
-    steep = np.triu(np.abs(normals @ normals.T) < _CROSSING_COSINE)
-    return [(slices[i], slices[j]) for i, j in np.argwhere(steep)]
+    return np.argwhere(np.triu(np.abs(normals @ normals.T) < _CROSSING_COSINE))
 
 
-def _along_line(
-    a: PlacedSlice, b: PlacedSlice, structures: list[Structure]
-) -> Iterator[tuple[float, float]]:
-    """Length of the planes' common line inside each structure on both slices, and on either, mm."""
-    direction = cross(a.plane.normal, b.plane.normal)
-    direction /= np.linalg.norm(direction)
-    normals = np.stack([a.plane.normal, b.plane.normal, direction])
-    heights = np.array([s.plane.normal @ s.plane.origin for s in (a, b)] + [0.0])
-    origin = np.linalg.solve(normals, heights)
-    axes = [np.stack([direction, cross(s.plane.normal, direction)], axis=1) for s in (a, b)]
-    for structure in structures:
-        # Where the line enters and leaves the structure, as lengths along it, mm.
-        in_a, in_b = (
-            crossings_of_axis([(c.points_mm - origin) @ of_s for c in s.of(structure)])
-            for s, of_s in zip((a, b), axes, strict=True)
+def _along_lines(slices: list[PlacedSlice], pairs: Indices) -> tuple[Array, Array]:
+    """Of the common line of each pair (k, 2) of planes, the length (k,), mm, that lies inside a
+    structure on both slices, and on either; summed over the structures that both show.
+    """
+    if not len(pairs):
+        return np.zeros(0), np.zeros(0)
+    lines = _Lines.of(slices, pairs)
+    ends = [
+        lines.ends(slice_, at, side)
+        for at, slice_ in enumerate(slices)
+        for side in range(2)
+        if (pairs[:, side] == at).any()
+    ]
+    key = np.concatenate([keys for keys, _ in ends])
+    x = np.concatenate([lengths for _, lengths in ends])
+    # In each structure on each line, where it is entered and left by the first and the second.
+    order = order_along(key // 2, x)
+    is_first = key[order] % 2 == 0
+    pair = key[order] // (2 * len(Structure))
+    # Every line crosses a ring an even number of times, so the parities may run on over all.
+    in_a, in_b = np.cumsum(is_first) % 2 == 1, np.cumsum(~is_first) % 2 == 1
+    steps = widths(x[order])
+    shared = np.bincount(pair, weights=steps * (in_a & in_b), minlength=len(pairs))
+    joint = np.bincount(pair, weights=steps * (in_a | in_b), minlength=len(pairs))
+    return np.asarray(shared, dtype=np.float64), np.asarray(joint, dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines:
+    """The common lines of pairs (k, 2) of planes: direction and origin (k, 3), mm.
+
+    shows: (slices, structures) which slice outlines what.
+    """
+
+    pairs: Indices
+    normals: Array
+    direction: Array
+    origin: Array
+    shows: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, slices: list[PlacedSlice], pairs: Indices) -> "_Lines":
+        normals = np.stack([s.plane.normal for s in slices])
+        heights = np.array([s.plane.normal @ s.plane.origin for s in slices])
+        a, b = pairs.T
+        direction = np.cross(normals[a], normals[b])
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        system = np.stack([normals[a], normals[b], direction], axis=1)
+        right = np.stack([heights[a], heights[b], np.zeros(len(pairs))], axis=1)
+        shown = [set(s.structures) for s in slices]
+        return cls(
+            pairs=pairs,
+            normals=normals,
+            direction=direction,
+            origin=np.linalg.solve(system, right[:, :, None])[:, :, 0],
+            shows=np.array([[structure in s for structure in Structure] for s in shown]),
         )
-        yield _shared_and_joint(in_a, in_b)
 
+    def ends(self, slice_: PlacedSlice, at: int, side: int) -> tuple[Indices, Array]:
+        """Where the lines of the pairs whose one `side` is slice `at` enter and leave a structure.
 
-def _shared_and_joint(in_a: Array, in_b: Array) -> tuple[float, float]:
-    """Lengths inside both, and either, of two sets of intervals, given by their ends."""
-    ends = np.concatenate([in_a, in_b])
-    order = np.argsort(ends, kind="stable")
-    first = order < len(in_a)
-    steps = widths(ends[order])
-    inside_a, inside_b = np.cumsum(first) % 2 == 1, np.cumsum(~first) % 2 == 1
-    return float(steps[inside_a & inside_b].sum()), float(steps[inside_a | inside_b].sum())
+        Keys (m,), of pair, structure and side, and lengths (m,), mm, along the line.
+        """
+        edges = edges_of([c.points_mm for c in slice_.contours])
+        structure = np.array([_NUMBER[c.structure] for c in slice_.contours])[edges.ring]
+        (own,) = np.nonzero(self.pairs[:, side] == at)
+        keys, lengths = [], []
+        for run in batches([len(structure)] * len(own), _POINTS_AT_ONCE):
+            pair = own[run]
+            direction, origin = self.direction[pair], self.origin[pair]
+            across = np.cross(self.normals[at], direction)
+            far = (edges.start @ across.T) - (across * origin).sum(axis=1)
+            along = (edges.start @ direction.T) - (direction * origin).sum(axis=1)
+            far_end = far[edges.following]
+            spans = (far <= 0.0) != (far_end <= 0.0)
+            spans &= self.shows[self.pairs[pair, 1 - side]].T[structure]
+            edge, line = np.nonzero(spans)
+            start, end = far[edge, line], far_end[edge, line]
+            first, last = along[edge, line], along[edges.following[edge], line]
+            keys.append((pair[line] * len(Structure) + structure[edge]) * 2 + side)
+            lengths.append(first + start / (start - end) * (last - first))
+        return np.concatenate(keys), np.concatenate(lengths)

@@ -1,10 +1,13 @@
 """Do the structures of a slice lie in and beside one another as in a heart?"""
 
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
 from intake.even_odd import following
-from intake.overlap import Overlap, overlap
+from intake.overlap import Overlap, overlaps
 from intake.placed import PlacedSlice
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Structure
@@ -40,8 +43,8 @@ _SHARE_OF_OPEN = 0.50
 _NOTED_SHARE = 0.02
 
 
-def check_nesting(slice_: PlacedSlice, extent_mm: float) -> list[str]:
-    """Warnings about small crossings of the structures on a slice.
+def check_nesting(slices: Sequence[PlacedSlice], extent_mm: float) -> list[str]:
+    """Warnings about small crossings of the structures on each slice.
 
     Refused is a crossing of more than a tenth of the smaller structure (half, where a contour is
     open) that also reaches more than 0.5 % of the study's extent deep: slivers between two borders
@@ -50,22 +53,43 @@ def check_nesting(slice_: PlacedSlice, extent_mm: float) -> list[str]:
     Raises:
         InputError: `CROSSING_STRUCTURES` at the first contour of the structure that is misplaced.
     """
-    here = set(slice_.structures)
+    meetings = [meeting for slice_ in slices for meeting in _meetings(slice_)]
+    there = [(m.slice.rings(m.one), m.slice.rings(m.other)) for m in meetings]
+    back = [(b, a) for m, (a, b) in zip(meetings, there, strict=True) if not m.is_nested]
+    found, found_back = overlaps(there), iter(overlaps(back))
     warnings = []
+    for meeting, ab in zip(meetings, found, strict=True):
+        slice_, one, other = meeting.slice, meeting.one, meeting.other
+        if meeting.is_nested:
+            misplaced = Overlap(ab.area_mm2, ab.outside_mm2)
+            warnings += _judge(slice_, one, other, misplaced, "outside", extent_mm)
+            continue
+        ba = next(found_back)
+        if ab.area_mm2 < ba.area_mm2:
+            warnings += _judge(slice_, one, other, ab, "within", extent_mm)
+        else:
+            warnings += _judge(slice_, other, one, ba, "within", extent_mm)
+    return warnings
+
+
+@dataclass(frozen=True)
+class _Meeting:
+    """Two structures of a slice: the first within the second, or apart from it."""
+
+    slice: PlacedSlice
+    one: Structure
+    other: Structure
+    is_nested: bool
+
+
+def _meetings(slice_: PlacedSlice) -> Iterator[_Meeting]:
+    here = set(slice_.structures)
     for inner, outer in INSIDE:
         if {inner, outer} <= here:
-            shared = overlap(slice_.rings(inner), slice_.rings(outer))
-            misplaced = Overlap(shared.area_mm2, shared.outside_mm2)
-            warnings += _judge(slice_, inner, outer, misplaced, "outside", extent_mm)
+            yield _Meeting(slice_, inner, outer, is_nested=True)
     for a, b in APART:
         if {a, b} <= here and _boxes_meet(slice_, a, b):
-            ab = overlap(slice_.rings(a), slice_.rings(b))
-            ba = overlap(slice_.rings(b), slice_.rings(a))
-            if ab.area_mm2 < ba.area_mm2:
-                warnings += _judge(slice_, a, b, ab, "within", extent_mm)
-            else:
-                warnings += _judge(slice_, b, a, ba, "within", extent_mm)
-    return warnings
+            yield _Meeting(slice_, a, b, is_nested=False)
 
 
 def _judge(

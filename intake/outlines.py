@@ -1,9 +1,12 @@
 """Does each contour enclose an area?"""
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.overlap import area_mm2
+from intake.measured_outline import LEAST_POINTS, Outline
 from intake.placed import PlacedContour, PlacedSlice
 from intake.planes import COLLINEAR
 from intake.simplicity import check_simple, shoelace_mm2
@@ -12,41 +15,32 @@ from schemas.problem import InputError, ProblemType
 Array = NDArray[np.float64]
 
 
-def check_outlines(slice_: PlacedSlice, extent_mm: float) -> list[str]:
+def check_outlines(slice_: PlacedSlice, outlines: Sequence[Outline], extent_mm: float) -> list[str]:
     """Warnings about the contours of a slice, each judged alone, in a study of this extent.
 
     Raises:
         InputError: `DEGENERATE_CONTOUR`, `UNCLOSED_CONTOUR` or `SELF_CROSSING_CONTOUR`.
     """
     warnings = []
-    for contour in slice_.contours:
-        ring, index = _distinct(contour)
-        _check_extent(slice_, contour, ring)
-        filled_mm2 = area_mm2([ring])
-        _check_area(slice_, contour, ring, filled_mm2)
-        if contour.closed:
-            _check_closed(slice_, contour, ring)
-        warnings += check_simple(slice_, contour, ring, index, filled_mm2, extent_mm)
+    for one in outlines:
+        _check_extent(slice_, one.contour, one.ring)
+        _check_area(slice_, one.contour, one.ring, one.filled_mm2)
+        if one.contour.closed:
+            _check_closed(slice_, one.contour, one.ring)
+        warnings += check_simple(slice_, one, extent_mm)
     return warnings
 
 
-def _distinct(contour: PlacedContour) -> tuple[Array, NDArray[np.intp]]:
-    """The ring without repeats of a point by its neighbour, and each point's index as sent."""
-    ring = contour.ring
-    near = 1e-9 * (np.ptp(ring, axis=0).max() + np.abs(ring).max())
-    moved = np.abs(np.diff(ring, axis=0)).max(axis=1) > near
-    index = np.concatenate([[0], 1 + np.flatnonzero(moved)])
-    if contour.closed and len(index) > 1 and np.abs(ring[index[-1]] - ring[0]).max() <= near:
-        index = index[:-1]
-    return ring[index], index
-
-
 def _check_extent(slice_: PlacedSlice, contour: PlacedContour, ring: Array) -> None:
-    if len(ring) < 3:
+    if len(ring) < LEAST_POINTS:
         what = f"has {len(ring)} distinct points" if len(ring) > 1 else "is a single point"
         _refuse_degenerate(slice_, contour, what)
-    widths = np.linalg.svd(ring - ring.mean(axis=0), compute_uv=False)
-    if widths[1] <= COLLINEAR * widths[0]:
+    centred = ring - ring.mean(axis=0)
+    centred /= np.abs(centred).max() or 1.0  # squares of tiny numbers would vanish
+    # The singular values of the ring, from the two by two matrix of its second moments.
+    (xx, xy), (_, yy) = (centred.T @ centred).tolist()
+    middle, apart = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    if middle - apart <= COLLINEAR**2 * (middle + apart):
         _refuse_degenerate(slice_, contour, "lies on one line")
 
 

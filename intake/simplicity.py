@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from intake.crossing_edges import crossing_edges
 from intake.even_odd import following
-from intake.placed import PlacedContour, PlacedSlice
+from intake.measured_outline import Outline
+from intake.placed import PlacedSlice
 from schemas.problem import InputError, ProblemType
 
 Array = NDArray[np.float64]
@@ -21,25 +21,15 @@ _LOOPS = 32
 """Crossings looked at, those farthest apart along the outline first."""
 
 
-def check_simple(
-    slice_: PlacedSlice,
-    contour: PlacedContour,
-    ring: Array,
-    index: NDArray[np.intp],
-    filled_mm2: float,
-    extent_mm: float,
-) -> list[str]:
-    """A warning when a contour crosses itself slightly.
-
-    `ring` (n, 2), mm, is the contour without repeated points; `index` (n,) is where each stands
-    among the points as sent; `filled_mm2` is its even-odd area, `extent_mm` the study's extent.
+def check_simple(slice_: PlacedSlice, outline: Outline, extent_mm: float) -> list[str]:
+    """A warning when a contour crosses itself slightly, in a study of this extent.
 
     Raises:
         InputError: `SELF_CROSSING_CONTOUR` when a fold holds more than 2 % of the area;
             `TOO_LARGE` when the outline is too tangled to be searched.
     """
-    found = crossing_edges(ring, contour.closed)
-    if found is None:
+    contour, ring, filled_mm2 = outline.contour, outline.ring, outline.filled_mm2
+    if outline.crossing is None:
         raise InputError(
             ProblemType.TOO_LARGE,
             f"Slice {slice_.id}: a {contour.structure} contour is too tangled to be checked. "
@@ -48,7 +38,7 @@ def check_simple(
             status=413,
         )
     wound = abs(shoelace_mm2(ring))
-    edges = np.stack(found, axis=1)
+    edges = np.stack(outline.crossing, axis=1)
     share, at = _largest_loop(ring, edges, filled_mm2)
     if contour.closed:
         # Crossing at a shared point shows in no edge; but winding and even-odd areas then differ.
@@ -57,7 +47,7 @@ def check_simple(
     if share > CROSSED_SHARE and folded_mm2 > (_SPECK * extent_mm) ** 2:
         where, place = "", contour.pointer
         if at is not None:
-            i, j = (int(index[k]) for k in at)
+            i, j = (int(outline.index[k]) for k in at)
             where = f" (the edges after points {i} and {j})"
             place = f"{contour.pointer}/points/{i}"
         raise InputError(

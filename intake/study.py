@@ -4,6 +4,7 @@ from intake.agreement import check_agreement
 from intake.flatness import check_flatness
 from intake.intersections import check_intersections
 from intake.limits import Limits, check_size
+from intake.measured_outline import measured_outlines
 from intake.multiplicity import check_multiplicity
 from intake.nesting import check_nesting
 from intake.outlines import check_outlines
@@ -48,12 +49,11 @@ def admit(
     extent_mm, warnings = check_extent(study, pointer)
     frames = place(study, pointer)
     slices = [s for frame in frames for s in frame.slices]
-    for slice_ in slices:
+    for slice_, outlines in zip(slices, measured_outlines(slices), strict=True):
         check_flatness(slice_, extent_mm)
-        warnings += check_outlines(slice_, extent_mm)
+        warnings += check_outlines(slice_, outlines, extent_mm)
         check_multiplicity(slice_)
-    for slice_ in slices:
-        warnings += check_nesting(slice_, extent_mm)
+    warnings += check_nesting(slices, extent_mm)
     for frame in frames:
         warnings += check_agreement(frame, extent_mm)
         warnings += check_intersections(frame, extent_mm)

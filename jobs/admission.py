@@ -120,6 +120,10 @@ class Admission:
         holder, _, payload = held.partition(":")
         return Answer(Verdict(verdict), holder or None, payload or None)
 
+    def knows(self, request: JobRequest, owner: str) -> bool:
+        """Whether some job has the request's idempotency key, or is being given it."""
+        return bool(self._redis.exists(_entry_key(request, owner)))
+
     def withdraw(self, request: JobRequest, owner: str) -> None:
         """Give place and key back: the job did not come about."""
         keys = [*_places_keys(owner), _entry_key(request, owner), record_key(request.job_id)]

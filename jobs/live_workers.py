@@ -8,6 +8,7 @@ from jobs.redis_clock import now_us
 
 _KEY = "neuralmri:workers"
 _SLOTS_KEY = "neuralmri:worker-slots"
+_CODE_KEY = "neuralmri:worker-code"
 _FINISHED_KEY = "neuralmri:heartbeat"
 
 _FORGOTTEN_AFTER_S = 3600.0
@@ -25,11 +26,12 @@ class LiveWorkers:
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
 
-    def heartbeat(self, worker_name: str, slots: int = 1) -> None:
-        """Say that a worker is alive and takes jobs, `slots` of them at a time."""
+    def heartbeat(self, worker_name: str, slots: int = 1, code_version: str = "") -> None:
+        """Say that a worker is alive and takes jobs, `slots` of them at a time, by which code."""
         with self._redis.pipeline() as pipe:
             pipe.zadd(_KEY, {worker_name: now_us(self._redis) / 1e6})
             pipe.hset(_SLOTS_KEY, worker_name, str(slots))
+            pipe.hset(_CODE_KEY, worker_name, code_version)
             pipe.execute()
 
     def names(self, within_s: float) -> list[str]:
@@ -59,10 +61,17 @@ class LiveWorkers:
         known = self._redis.hmget(_SLOTS_KEY, names) if names else []
         return sum(int(slots or 1) for slots in cast(list[str | None], known))
 
+    def code_versions(self, within_s: float) -> set[str]:
+        """By which code those workers do their jobs."""
+        names = self.names(within_s)
+        known = self._redis.hmget(_CODE_KEY, names) if names else []
+        return {version for version in cast(list[str | None], known) if version}
+
     def _forget_before(self, instant_s: float) -> None:
         gone = cast(list[str], self._redis.zrangebyscore(_KEY, "-inf", instant_s))
         if gone:
             with self._redis.pipeline() as pipe:
                 pipe.zrem(_KEY, *gone)
                 pipe.hdel(_SLOTS_KEY, *gone)
+                pipe.hdel(_CODE_KEY, *gone)
                 pipe.execute()

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
 
 from pydantic import TypeAdapter
 
@@ -47,6 +47,10 @@ class Record:
     stage_s: Mapping[Stage, float] = field(default_factory=dict)
     batch_id: str | None = None
     name: str | None = None
+    work: float = 1.0
+    retain_s: float | None = None
+    content_sha256: str | None = None
+    code_version: str | None = None
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -63,6 +67,9 @@ class Record:
             traceparent=request.traceparent,
             batch_id=request.batch_id,
             name=request.name,
+            work=request.work,
+            retain_s=request.retain_s,
+            content_sha256=request.content_sha256,
         )
 
     @classmethod
@@ -89,6 +96,10 @@ class Record:
             stage_s=_STAGE_S.validate_json(fields.get("stage_s", "{}")),
             batch_id=fields.get("batch_id") or None,
             name=fields.get("name") or None,
+            work=float(fields.get("work", 1.0)),
+            retain_s=float(fields["retain_s"]) if fields.get("retain_s") else None,
+            content_sha256=fields.get("content_sha256") or None,
+            code_version=fields.get("code_version") or None,
         )
 
     def fields(self) -> dict[str, str]:
@@ -112,7 +123,18 @@ class Record:
             "stage_s": _STAGE_S.dump_json(dict(self.stage_s)).decode(),
             "batch_id": self.batch_id or "",
             "name": self.name or "",
+            "work": str(self.work),
+            "content_sha256": self.content_sha256 or "",
+            "code_version": self.code_version or "",
+            "retain_s": "" if self.retain_s is None else str(self.retain_s),
         }
+
+    @property
+    def expires_at(self) -> datetime | None:
+        """When it is to be erased; None for never, or not yet ended."""
+        if self.finished_at is None or self.retain_s is None or not self.state.is_terminal:
+            return None
+        return self.finished_at + timedelta(seconds=self.retain_s)
 
     def is_held(self, now_us: int) -> bool:
         return not self.state.is_terminal and now_us < self.free_from_us <= now_us + self.lease_us
@@ -137,6 +159,7 @@ class Record:
             error=outcome.error,
             progress=progress,
             stage_s=outcome.stage_s,
+            code_version=outcome.code_version,
         )
 
     def job(self) -> Job:
@@ -154,6 +177,7 @@ class Record:
             finished_at=self.finished_at,
             attempt=self.attempt,
             error=self.error,
+            expires_at=self.expires_at,
             restarted_from=self.restarted_from,
             trace_id=trace.trace_id if trace else None,
             batch_id=self.batch_id,

@@ -23,10 +23,13 @@ from jobs.admission import give_up_place
 from jobs.claim import Claim, Refusal
 from jobs.errors import StaleToken
 from jobs.event_stream import add_event
+from jobs.expiry import move_expiry
 from jobs.idempotency_keys import Wholeness, move_key
 from jobs.index import ANY_OWNER, batch_key, index_key, move_in_index, record_key
+from jobs.line_work import move_work
 from jobs.record import Record, instant
 from jobs.redis_clock import now_us
+from jobs.reusable import move_reusable
 from jobs.runtimes import note_runtime
 from jobs.tallies import tally
 from schemas.job import Job, JobPage, JobState, Progress
@@ -260,6 +263,9 @@ class JobRecords:
                     return after
                 pipe.multi()
                 move_in_index(pipe, before, after)
+                move_work(pipe, before, after)
+                move_expiry(pipe, before, after)
+                move_reusable(pipe, before, after)
                 give_up_place(pipe, before, after)
                 move_key(pipe, before, after)
                 note_runtime(pipe, before, after, instant_us)

@@ -1,4 +1,7 @@
-"""How long jobs took lately, as measured: what estimates of waiting are made from."""
+"""How fast work was done lately, as measured: what estimates of waiting are made from.
+
+Seconds by the work that a job asked for, so that quick and thorough jobs make one figure.
+"""
 
 from typing import cast
 
@@ -8,7 +11,7 @@ from redis.client import Pipeline
 from jobs.record import Record
 from schemas.job import JobState
 
-_KEY = "neuralmri:runtimes-s"
+_KEY = "neuralmri:seconds-per-work"
 _KEPT = 50
 
 
@@ -29,11 +32,14 @@ def note_runtime(pipe: Pipeline, before: Record | None, after: Record | None, no
     ):
         runtime_s = sum(after.stage_s.values()) or (now_us - before.token) / 1e6
         if runtime_s >= 0.0:
-            pipe.lpush(_KEY, f"{runtime_s:.3f}")
+            pipe.lpush(_KEY, f"{runtime_s / before.work:.6g}")
             pipe.ltrim(_KEY, 0, _KEPT - 1)
 
 
-def mean_runtime_s(redis: Redis) -> float | None:
-    """Mean of the last runtimes, None before the first. Raises RedisError."""
-    runtimes_s = [float(text) for text in cast(list[str], redis.lrange(_KEY, 0, -1))]
-    return sum(runtimes_s) / len(runtimes_s) if runtimes_s else None
+def seconds_per_work(redis: Redis) -> float | None:
+    """Mean time of a standard fit of one frame, of the last jobs; None before the first.
+
+    Raises RedisError.
+    """
+    found = [float(text) for text in cast(list[str], redis.lrange(_KEY, 0, -1))]
+    return sum(found) / len(found) if found else None

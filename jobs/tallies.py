@@ -28,12 +28,14 @@ class Totals:
 
     ended: jobs by kind, state and fault (`caller`, `service`, `none`). attempts: begun by a worker.
     workers_lost: attempts that were taken from their worker because its lease ran out; of jobs that
-    are being cancelled, none. stages: durations by stage, of the attempts that ended their job.
+    are being cancelled, none. expired: jobs erased for their age. stages: durations by stage, of
+    the attempts that ended their job.
     """
 
     ended: dict[tuple[str, str, str], int]
     attempts: int
     workers_lost: int
+    expired: int
     stages: dict[str, Durations]
 
 
@@ -61,8 +63,13 @@ class Tallies:
             ended=ended,
             attempts=int(counted.get("attempts", 0)),
             workers_lost=int(counted.get("workers_lost", 0)),
+            expired=int(counted.get("expired", 0)),
             stages={stage: Durations(buckets[stage], sums[stage]) for stage in buckets},
         )
+
+    def count_expired(self) -> None:
+        """A job was erased because it had expired. Raises RedisError."""
+        self._redis.hincrby(_KEY, "expired", 1)
 
 
 def tally(pipe: Pipeline, before: Record | None, after: Record | None) -> None:

@@ -7,8 +7,9 @@ from redis import Redis
 
 from jobs.estimate import start_in_s
 from jobs.index import ANY_OWNER, index_key, line_key
+from jobs.line_work import LineWork
 from jobs.live_workers import LiveWorkers
-from jobs.runtimes import mean_runtime_s
+from jobs.runtimes import seconds_per_work
 from schemas.job import Job, JobState, Priority
 
 
@@ -31,12 +32,13 @@ class WaitingLine:
             return list(jobs)
         before_batch, *ranks = self._ranks(waiting)
         pace = self._pace()
+        work = LineWork.now(self.redis)
         known: dict[str, Job] = {}
         for job, rank in zip(waiting, ranks, strict=True):
             if rank is None:  # started since
                 continue
             ahead = rank + (before_batch or 0) * (job.priority is Priority.BATCH)
-            start_s = pace.start_in_s(ahead) if pace else None
+            start_s = pace.start_in_s(ahead, work.mean_until(job)) if pace else None
             known[job.id] = job.model_copy(
                 update={"queue_position": ahead, "estimated_start_s": start_s}
             )
@@ -45,7 +47,7 @@ class WaitingLine:
     def next_start_s(self) -> float | None:
         """Time until one of the waiting jobs starts and leaves its place; None where unknown."""
         pace = self._pace()
-        return pace.start_in_s(0) if pace else None
+        return pace.start_in_s(0, LineWork.now(self.redis).mean_held()) if pace else None
 
     def _ranks(self, waiting: Sequence[Job]) -> list[int | None]:
         """How many interactive jobs wait, and each job's rank among those of its priority."""
@@ -57,21 +59,22 @@ class WaitingLine:
 
     def _pace(self) -> "_Pace | None":
         """How fast jobs go now; None without a worker, or before the first success."""
-        runtime_s = mean_runtime_s(self.redis)
+        of_work_s = seconds_per_work(self.redis)
         slots = self.workers.slots(self.worker_alive_s)
-        if runtime_s is None or slots == 0:
+        if of_work_s is None or slots == 0:
             return None
         with self.redis.pipeline() as pipe:
             for state in (JobState.RUNNING, JobState.CANCELLING):
                 pipe.zcard(index_key(ANY_OWNER, state))
-            return _Pace(sum(pipe.execute()), slots, runtime_s)
+            return _Pace(sum(pipe.execute()), slots, of_work_s)
 
 
 @dataclass(frozen=True)
 class _Pace:
     running: int
     slots: int
-    runtime_s: float
+    of_work_s: float
 
-    def start_in_s(self, ahead: int) -> float:
-        return round(start_in_s(ahead, self.running, self.slots, self.runtime_s), 1)
+    def start_in_s(self, ahead: int, mean_work: float) -> float:
+        runtime_s = mean_work * self.of_work_s
+        return round(start_in_s(ahead, self.running, self.slots, runtime_s), 1)

@@ -36,8 +36,10 @@ class AuditEntry(WireModel):
     """No name of a subject, no address of a caller, no secret is in it.
 
     actor: the id of the key that came with the request, if its secret was right; `anonymous` where
-    none was asked for, `unknown` where none or a wrong one came, `operator` for the command line.
+    none was asked for, `unknown` where none or a wrong one came, `operator` for the command line,
+    `retention` for what erases jobs that have expired.
     key: the one that a `key-...` action is about. status: of the HTTP answer.
+    ended_at, expires_at: of a job that was erased because it had expired.
     """
 
     at: datetime
@@ -48,3 +50,5 @@ class AuditEntry(WireModel):
     job: str | None = None
     key: KeyId | None = None
     status: int | None = None
+    ended_at: datetime | None = None
+    expires_at: datetime | None = None

@@ -113,8 +113,8 @@ class Job(WireModel):
     estimated_start_s: float | None = Field(
         default=None,
         ge=0.0,
-        description="While queued: seconds until a worker starts it, by the mean runtime of the "
-        "last jobs. Null before there is one to go by, and while no worker is alive.",
+        description="While queued: seconds until a worker starts it, by the pace of the last "
+        "jobs. Null before there is one to go by, and while no worker is alive.",
     )
     progress: Progress = Field(default_factory=Progress)
     created_at: datetime
@@ -122,6 +122,9 @@ class Job(WireModel):
     finished_at: datetime | None = None
     attempt: int = Field(default=0, ge=0, description="How often a worker has started it.")
     error: Problem | None = None
+    expires_at: datetime | None = Field(
+        default=None, description="When an ended job will be erased; null: never, or not ended."
+    )
     restarted_from: str | None = Field(
         default=None, description="The job that this one does anew; it may have been erased since."
     )

@@ -64,6 +64,15 @@ class JobRequest(WireModel):
     restarted_from: str | None = None
     batch_id: str | None = None
     name: FolderName | None = Field(default=None, description="What its batch calls it.")
+    content_sha256: str | None = Field(
+        default=None, description="Of study, options and files: what the results depend on."
+    )
+    retain_s: float | None = Field(
+        default=None, gt=0.0, description="How long the job is kept after its end; null: for ever."
+    )
+    work: float = Field(
+        default=1.0, gt=0.0, description="Expected, in standard fits of one frame; for estimates."
+    )
     traceparent: str | None = Field(
         default=None, description="W3C trace context of the request that brought the job."
     )
@@ -85,6 +94,11 @@ class Outcome(WireModel):
     finished_at: datetime
     attempt: int
     error: Problem | None = None
+    code_version: str | None = Field(
+        default=None,
+        description="Of the code that made the results; null where none did, or it "
+        "is not known which.",
+    )
     stage_s: dict[Stage, float] = Field(
         default_factory=dict, description="Seconds that the last attempt spent in each stage."
     )

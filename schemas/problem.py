@@ -38,6 +38,7 @@ class ProblemType(StrEnum):
     IDEMPOTENCY_KEY_PENDING = "idempotency-key-pending"
     TOO_MANY_JOBS = "too-many-jobs"
     BATCH_REFUSED = "batch-refused"
+    RATE_LIMITED = "rate-limited"
     WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
     WEBHOOK_DISABLED = "webhook-disabled"
     CROSS_ORIGIN = "cross-origin"

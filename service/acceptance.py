@@ -8,6 +8,7 @@ from fastapi import Response
 from redis.exceptions import RedisError
 
 from jobs.admission import Answer, Verdict
+from jobs.content import content_sha256
 from jobs.estimate import retry_after_s
 from jobs.folder import Source
 from jobs.reconcile import reconcile
@@ -17,6 +18,7 @@ from schemas.messages import JobRequest
 from service.access import JobAccess
 from service.batches.joining import require_room
 from service.refusals import key_pending, key_reused, no_room
+from service.reuse import reusable_job
 
 log = logging.getLogger("neuralmri.service")
 
@@ -30,8 +32,13 @@ def accept(
     inputs: Mapping[str, Source],
     owner: str,
     response: Response,
+    *,
+    reuse: bool = False,
 ) -> Job:
     """Accept the job, or find the one that the same request made before; the headers say which.
+
+    With `reuse`, a job of before that has the same results will do, if the request's key is not
+    known: the response's status is 200 then.
 
     Raises ServiceError where the queue or the owner has no room, the idempotency key is another
     request's, or a request with that key is not taken in within two seconds.
@@ -39,6 +46,14 @@ def accept(
     if request.idempotency is not None and not access.records.wholeness.is_certain():
         # Redis has lost something, perhaps this very key: have it back from the folders first.
         reconcile(access.store, access.records, access.queue, access.settings.lost_after_s)
+    request = request.model_copy(update={"content_sha256": content_sha256(request, inputs)})
+    if reuse and not access.admission.knows(request, owner):
+        earlier = reusable_job(access, request, owner)
+        if earlier is not None:
+            response.status_code = 200
+            response.headers["Location"] = earlier.links.self
+            response.headers["Result-Reused"] = "true"
+            return earlier
     if request.batch_id is not None:
         require_room(access, request.batch_id, owner)
     patient_until_s = time.monotonic() + _PATIENCE_S

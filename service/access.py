@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 from fastapi import Depends, Request
+from redis import Redis
 
 from jobs.admission import Admission
 from jobs.batch_store import BatchStore
@@ -44,6 +45,7 @@ class JobAccess:
     owners: JobOwners
     erased: ErasedJobs
     batches: BatchBook
+    redis: Redis
     caller: Caller = NOBODY
 
     @classmethod
@@ -62,6 +64,7 @@ class JobAccess:
             owners=JobOwners(),
             erased=ErasedJobs(redis),
             batches=BatchBook(BatchStore(settings.data_dir / "batches"), redis),
+            redis=redis,
         )
 
     def live_workers(self) -> list[str]:

@@ -19,6 +19,8 @@ from service.keys.gate import Gate
 from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
 from service.problems import install_problem_handlers
+from service.rate_headers import RateHeaders
+from service.rate_limits import RateLimits
 from service.reconciler import Reconciler
 from service.request_log import RequestLog
 from service.response_headers import ResponseHeaders
@@ -83,6 +85,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     )
     app.state.issuer_keys = issuer_keys
     app.state.tokens = TokenCheck(settings, issuer_keys)
+    app.state.rates = RateLimits(settings)
     app.state.webhooks = desk
     install_problem_handlers(app, settings)
     for part in (
@@ -110,6 +113,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app.add_middleware(
         BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s
     )
+    app.add_middleware(RateHeaders)
     app.add_middleware(CrossOriginGuard, origins=settings.origins)
     if settings.origins:
         app.add_middleware(CORSMiddleware, **cors(settings.origins))

@@ -12,6 +12,7 @@ from service.keys.caller import Caller
 from service.keys.gate import Gate, require_scope
 from service.keys.refused import KeyRefused
 from service.keys.token import PREFIX
+from service.rate_limits import RateLimits
 from service.tokens.check import TokenCheck
 
 API_KEY_HEADER = "X-API-Key"
@@ -35,18 +36,23 @@ def scope_needed(method: str, path: str) -> Scope | None:
 async def admit(request: Request) -> None:
     """Note in `request.state.caller` who calls.
 
-    Raises KeyRefused (401, 403), and InternalError (503) for a token that cannot be checked now.
+    Raises KeyRefused (401, 403), InputError (429), and InternalError (503) for a token that cannot
+    be checked now.
     """
     scope = scope_needed(request.method, request.scope["route"].path)
     if scope is None:
         return
+    rates: RateLimits = request.app.state.rates
     try:
         caller = await _caller(request)
         require_scope(caller, scope)
     except KeyRefused as refused:
         request.state.refused_actor = refused.actor
+        if refused.actor is None:
+            await run_in_threadpool(rates.refuse, request)
         raise
     request.state.caller = caller
+    await run_in_threadpool(rates.admit, request, caller)
 
 
 async def _caller(request: Request) -> Caller:

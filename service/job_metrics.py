@@ -82,6 +82,9 @@ def _since(totals: Totals) -> Iterator[Metric]:
     )
     lost.add_metric([], totals.workers_lost)
     yield lost
+    expired = CounterMetricFamily("neuralmri_jobs_expired", "Jobs erased when they had expired.")
+    expired.add_metric([], totals.expired)
+    yield expired
     stages = HistogramMetricFamily(
         "neuralmri_stage_duration_seconds",
         "Time that jobs spent in each stage, and waiting for their first worker.",

@@ -10,10 +10,11 @@ from service.form_upload import FormUpload
 
 
 def payload_sha256(
-    kind: JobKind, priority: Priority, upload: FormUpload, membership: Mapping[str, str]
+    kind: JobKind, priority: Priority, upload: FormUpload, terms: Mapping[str, str]
 ) -> str:
-    """SHA-256 over address, priority, the JSON's content and the bytes of every file by its part;
-    and over `membership`: which batch it joins, under which name.
+    """SHA-256 over address, terms, the JSON's content and the bytes of every file by its part.
+
+    terms: what was asked beside the priority, a batch to join among it.
 
     The JSON has been found good. Its white space and the order of its keys do not count, nor do
     the form's order, boundary and file names; a default that is spelled out does.
@@ -25,15 +26,17 @@ def payload_sha256(
             "priority": priority.value,
             "request": _digest_of(json.loads(upload.request)),
             "files": {name: _file_sha256(file) for name, file in files.items()},
-            **membership,
+            **terms,
         }
     )
 
 
-def batch_sha256(priority: Priority, body: bytes, *, in_lines: bool) -> str:
+def batch_sha256(
+    priority: Priority, body: bytes, terms: Mapping[str, str], *, in_lines: bool
+) -> str:
     """The same of a batch's body, which has been read once; one in lines counts byte for byte."""
     request = hashlib.sha256(body).hexdigest() if in_lines else _digest_of(json.loads(body or "{}"))
-    return _digest_of({"kind": "batch", "priority": priority.value, "request": request})
+    return _digest_of({"kind": "batch", "priority": priority.value, "request": request, **terms})
 
 
 def _digest_of(content: Any) -> str:

@@ -1,4 +1,4 @@
-"""The background thread that makes Redis agree with the folders."""
+"""The background thread that makes Redis agree with the folders, and erases expired jobs."""
 
 import logging
 
@@ -8,7 +8,10 @@ from jobs.periodic_thread import PeriodicThread
 from jobs.reconcile import reconcile
 from schemas.problem import InternalError
 from service.access import JobAccess
+from service.audit_log import AuditLog
+from service.batches.forgetting import ForgottenBatches
 from service.batches.unfinished import UnfinishedBatches
+from service.retention import Retention
 
 log = logging.getLogger("neuralmri.reconciler")
 
@@ -22,6 +25,8 @@ class Reconciler(PeriodicThread):
         super().__init__("reconciler", join_within_s=10.0)
         self._access = access
         self._batches = UnfinishedBatches(access)
+        self._forgotten_batches = ForgottenBatches(access)
+        self._retention = Retention(access, AuditLog.of_settings(access.settings))
 
     def _run(self) -> None:
         every_s, wait_s = self._access.settings.reconcile_every_s, 0.0
@@ -36,6 +41,8 @@ class Reconciler(PeriodicThread):
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
             self._batches.take_in()
+            erased = self._retention.erase_expired()
+            self._forgotten_batches.erase_empty()
         except (RedisError, InternalError) as error:
             log.warning("not reconciled, Redis cannot be reached: %s", error)
             return False
@@ -45,4 +52,6 @@ class Reconciler(PeriodicThread):
             return False
         if mended.is_something:
             log.info("reconciled: %s", mended)
+        if erased:
+            log.info("erased %d jobs that had expired", erased)
         return True

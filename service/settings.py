@@ -38,6 +38,24 @@ class ServiceSettings(OidcSettings, WebhookSettings, LimitSettings, JobSettings)
     max_batch_studies: int = Field(
         default=100, ge=1, le=1000, description="Studies of one batch, those that join included."
     )
+    calls_per_minute: int = Field(
+        default=6000, ge=0, le=10**6, description="Requests of one key, or address; 0: no limit."
+    )
+    submits_per_minute: int = Field(
+        default=600, ge=0, le=10**6, description="Submissions of one key, or address; 0: no limit."
+    )
+    refusals_per_minute: int = Field(
+        default=60,
+        ge=0,
+        le=10**6,
+        description="Requests without a good key from one address that are told so; 0: no limit.",
+    )
+    retention_days: float | None = Field(
+        default=None,
+        gt=0.0,
+        le=36525.0,
+        description="How long jobs are kept after their end; unset, until somebody erases them.",
+    )
     batch_turn_s: float = Field(
         default=600.0,
         ge=1.0,

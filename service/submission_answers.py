@@ -2,12 +2,24 @@
 
 from typing import Any
 
+from schemas.job import Job
 from schemas.problem import InputError, ProblemType
 from service.documented import described_problem
 from service.held_answer import PREFERENCE_APPLIED
 from service.refusals import key_pending
 
 SUBMISSION: dict[int | str, dict[str, Any]] = {
+    200: {
+        "model": Job,
+        "description": "With `reuse`: an earlier job of yours has these results.",
+        "headers": {
+            "Location": {"description": "The job.", "schema": {"type": "string"}},
+            "Result-Reused": {
+                "description": "Always there.",
+                "schema": {"type": "string", "const": "true"},
+            },
+        },
+    },
     202: {
         "description": "Accepted: the job is stored and will be done, whatever happens to us.",
         "headers": {

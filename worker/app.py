@@ -21,6 +21,7 @@ from jobs import spans
 from jobs.celery_settings import celery_settings
 from jobs.logs import write_logs
 from worker import shutdown_flag
+from worker.code_version import code_version
 from worker.heartbeat import heartbeat_step
 from worker.parent_death import die_with_parent
 from worker.settings import WorkerSettings
@@ -31,6 +32,7 @@ settings = WorkerSettings()
 spans.require_extra()
 # Before any child loads numpy, which looks at the environment only then.
 bind_libraries(settings.threads)
+code = code_version(settings.threads)
 
 app = Celery("neuralmri-worker", include=["worker.task", "worker.heartbeat_task"])
 app.conf.update(
@@ -42,7 +44,7 @@ app.conf.update(
     worker_enable_remote_control=False,
     worker_send_task_events=False,
 )
-app.steps["consumer"].add(heartbeat_step(settings))
+app.steps["consumer"].add(heartbeat_step(settings, code))
 
 
 @celeryd_init.connect(weak=False)  # type: ignore[untyped-decorator]  # before Celery's first word

@@ -50,6 +50,7 @@ class Desk:
     settings: WorkerSettings
     produce: Produce
     is_shutting_down: Callable[[], bool]
+    code_version: str | None = None
 
 
 def attempt(job_id: str, desk: Desk) -> None:
@@ -94,7 +95,7 @@ def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending
         if observer.is_cancelled():
             raise Cancelled
         manifest = desk.produce(folder, staging, ending.clock)
-        ending.succeeded(staging, manifest)
+        ending.succeeded(staging, manifest, desk.code_version)
     except Cancelled:
         _stopped(observer.stop_reason, desk, lease, ending)
     except SoftTimeLimitExceeded:
@@ -150,22 +151,28 @@ class _Ending:
     clock: StageClock
     spans: AttemptSpans
 
-    def succeeded(self, staging: Path, manifest: Manifest) -> None:
+    def succeeded(self, staging: Path, manifest: Manifest, code_version: str | None) -> None:
         if not self.lease.confirm():
             return
         try:
             self.folder.publish(staging, manifest)
         except AlreadyPublished:
             _LOGGER.info("job %s: another attempt's results stand", self.folder.job_id)
-        self.write(JobState.SUCCEEDED)
+            code_version = None
+        self.write(JobState.SUCCEEDED, code_version=code_version)
 
     def failed(self, problem: Problem) -> None:
         trace = log_context.current().trace
         known = {"trace_id": trace.trace_id if trace else None}
         self.write(JobState.FAILED, problem.model_copy(update=known))
 
-    def write(self, state: JobState, error: Problem | None = None) -> None:
-        """Write the outcome, then record whichever outcome stands."""
+    def write(
+        self, state: JobState, error: Problem | None = None, code_version: str | None = None
+    ) -> None:
+        """Write the outcome, then record whichever outcome stands.
+
+        code_version: of the code that made the results, where that is this attempt's.
+        """
         if not self.lease.confirm():
             return
         outcome = self.folder.write_outcome(
@@ -176,6 +183,7 @@ class _Ending:
                 attempt=self.claim.attempt,
                 error=error,
                 stage_s=self.clock.stage_s(),
+                code_version=code_version,
             )
         )
         self.spans.outcome = outcome

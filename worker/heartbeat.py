@@ -29,6 +29,7 @@ class _Pulse:
     workers: LiveWorkers
     queue: JobQueue
     settings: WorkerSettings
+    code_version: str
 
     def beat(self, worker_name: str, slots: int) -> None:
         """Say that this worker is alive; ask for a heartbeat where the last one is some time ago.
@@ -36,7 +37,7 @@ class _Pulse:
         Of all workers together: one that is finished is enough for a while.
         """
         try:
-            self.workers.heartbeat(worker_name, slots)
+            self.workers.heartbeat(worker_name, slots, self.code_version)
             ago_s = self.workers.heartbeat_finished_ago_s()
             if ago_s is None or ago_s >= self.settings.heartbeat_within_s / 2:
                 self.queue.ask_for_heartbeat()
@@ -44,10 +45,10 @@ class _Pulse:
             _LOGGER.warning("the heartbeat was not recorded: %s", error)
 
 
-def heartbeat_step(settings: WorkerSettings) -> type[bootsteps.StartStopStep]:
+def heartbeat_step(settings: WorkerSettings, code_version: str) -> type[bootsteps.StartStopStep]:
     """A step of Celery's consumer that beats while the consumer is connected and taking tasks."""
     redis = make_redis(settings.redis_url, settings.redis_timeout_s)
-    pulse = _Pulse(LiveWorkers(redis), JobQueue(settings, redis), settings)
+    pulse = _Pulse(LiveWorkers(redis), JobQueue(settings, redis), settings, code_version)
 
     class Heartbeat(bootsteps.StartStopStep):  # type: ignore[misc]  # celery ships no types
         """Beats once at the start and then every few seconds, until the consumer stops."""

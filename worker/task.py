@@ -12,7 +12,7 @@ from jobs.store import JobStore
 from jobs.trace_context import TraceContext
 from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
 from worker import shutdown_flag, wear
-from worker.app import app, settings
+from worker.app import app, code, settings
 from worker.attempt import Desk, attempt
 
 
@@ -40,4 +40,5 @@ def _desk() -> Desk:
         settings=settings,
         produce=partial(produce, threads=settings.threads, limits=settings.limits()),
         is_shutting_down=shutdown_flag.is_raised,
+        code_version=code,
     )

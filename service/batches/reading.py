@@ -40,8 +40,13 @@ class ReadStudy:
     """One study of a batch: good, or refused. Pointers lead into the study's own entry."""
 
     name: str | None
-    request: ContourRequest | None = None
-    refusal: ServiceError | None = None
+    outcome: ContourRequest | ServiceError
+
+    def good(self) -> ContourRequest:
+        """The request. Raises the ServiceError with which the study is refused."""
+        if isinstance(self.outcome, ServiceError):
+            raise self.outcome
+        return self.outcome
 
 
 @dataclass(frozen=True)
@@ -88,5 +93,5 @@ def _read(entry: bytes, shared: dict[str, Any], limits: Limits) -> ReadStudy:
         asked = {"study": found.study, "options": under(shared, found.options)}
         request, _ = read_contour_request(json.dumps(asked).encode(), limits)
     except ServiceError as error:
-        return ReadStudy(name, refusal=error)
+        return ReadStudy(name, error)
     return ReadStudy(name, request)

@@ -3,9 +3,11 @@
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 
+from intake.work import contour_work
 from jobs.batch_store import batch_tail, new_batch_id
+from jobs.content import content_sha256
 from schemas.batch import BatchItem, BatchRecord
-from schemas.job import JobKind, Priority
+from schemas.job import JobKind
 from schemas.messages import Idempotency, JobRequest
 from schemas.problem import (
     Fault,
@@ -19,6 +21,7 @@ from service.access import JobAccess
 from service.batches.book import still_taken_in
 from service.batches.reading import ReadStudy
 from service.batches.taking_in import refusal, take_in
+from service.batches.terms import BatchTerms
 from service.refusals import key_reused
 
 
@@ -26,7 +29,7 @@ def accept_batch(
     access: JobAccess,
     judge: Callable[[], Sequence[ReadStudy]],
     owner: str,
-    priority: Priority,
+    terms: BatchTerms,
     idempotency: Idempotency | None,
 ) -> tuple[BatchRecord, bool]:
     """The batch, and whether the same request had made it before; then nothing is judged again.
@@ -37,7 +40,7 @@ def accept_batch(
     tail = batch_tail(owner, idempotency.key if idempotency else None)
     planned = None
     if access.batches.with_tail(tail) is None:
-        planned = _planned(access, judge(), owner, priority, idempotency, tail)
+        planned = _planned(access, judge(), owner, terms, idempotency, tail)
         if planned.items and not planned.job_ids:
             raise _all_refused(planned)
     with access.batches.turn(tail) as turn:
@@ -60,36 +63,41 @@ def _planned(
     access: JobAccess,
     studies: Sequence[ReadStudy],
     owner: str,
-    priority: Priority,
+    terms: BatchTerms,
     idempotency: Idempotency | None,
     tail: str,
 ) -> BatchRecord:
-    now = datetime.now(tz=UTC)
+    now, retain_s = datetime.now(tz=UTC), terms.retain_s(access.settings)
     batch_id = new_batch_id(tail)
     items: list[BatchItem] = []
     pending: list[JobRequest] = []
     for place, study in enumerate(studies):
         item = BatchItem(name=study.name)
-        if study.refusal is not None:
-            items.append(refusal(study.refusal, access, place, item))
+        try:
+            given = study.good()
+        except ServiceError as refused:
+            items.append(refusal(refused, access, place, item))
             continue
         request = JobRequest(
             job_id=access.store.new_id(),
             kind=JobKind.CONTOURS,
             created_at=now,
-            priority=priority,
+            priority=terms.priority,
+            retain_s=retain_s,
             owner=owner,
-            contours=study.request,
+            contours=given,
             batch_id=batch_id,
             name=study.name,
+            work=contour_work(given.study, given.options),
         )
+        request = request.model_copy(update={"content_sha256": content_sha256(request, {})})
         pending.append(request)
         items.append(item.model_copy(update={"job_id": request.job_id}))
     return BatchRecord(
         batch_id=batch_id,
         owner=owner,
         created_at=now,
-        priority=priority,
+        priority=terms.priority,
         idempotency=idempotency,
         items=items,
         pending=pending,

@@ -9,9 +9,11 @@ from intake.json_body import parse_json
 from intake.limits import Limits
 from intake.references import check_reference_surfaces
 from intake.study import admit
+from intake.work import contour_work, rescaled
 from jobs.restart import again, options_of, stored_inputs
 from schemas.job import Job
 from schemas.messages import JobRequest
+from schemas.options import Options
 from schemas.restart import RestartedOptions, RestartRequest, changed_options
 from service.acceptance import accept
 from service.access import Access
@@ -85,12 +87,21 @@ def restart_job(
             "priority": terms.priority,
             "batch_id": terms.batch,
             "name": terms.name,
+            "retain_s": terms.retain_s(access.settings),
             "idempotency": terms.idempotency(old.kind, FormUpload(change_of)),
+            "work": _work(old, options),
         }
     )
     _judge(request, limits)
     inputs = stored_inputs(folder, old)
-    return answer(accept(access, request, inputs, old.owner, response), response, 202)
+    job = accept(access, request, inputs, old.owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)
+
+
+def _work(old: JobRequest, options: Options) -> float:
+    if old.contours is not None:
+        return contour_work(old.contours.study, options)
+    return rescaled(old.work, options_of(old), options)
 
 
 def _judge(request: JobRequest, limits: Limits) -> None:

@@ -77,7 +77,7 @@ async def _received(request: Request) -> _Received:
 def open_batch(access: Access, owner: Owner, terms: Terms, response: Response) -> Batch:
     """Make an empty batch. Submissions of any kind join it by `?batch=` and its id."""
     idempotency = terms.idempotency(b"", in_lines=False)
-    record, replayed = accept_batch(access, list, owner, terms.priority, idempotency)
+    record, replayed = accept_batch(access, list, owner, terms, idempotency)
     return _answer(access, record, response, replayed=replayed)
 
 
@@ -104,9 +104,7 @@ def submit_batch(
     limits, most = access.settings.limits(), access.settings.max_batch_studies
     body = read_batch(received.body, received.media_type, limits, most)
     idempotency = terms.idempotency(received.body, in_lines=received.media_type == LINES)
-    record, replayed = accept_batch(
-        access, lambda: body.judged(limits), owner, terms.priority, idempotency
-    )
+    record, replayed = accept_batch(access, lambda: body.judged(limits), owner, terms, idempotency)
     request.state.jobs_of_batch = record.job_ids
     return _answer(access, record, response, replayed=replayed)
 

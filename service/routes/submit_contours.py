@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 from fastapi import APIRouter, Response
 
+from intake.work import contour_work
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
 from service.acceptance import accept
@@ -44,11 +45,14 @@ def submit_contours(
         kind=JobKind.CONTOURS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        retain_s=terms.retain_s(access.settings),
         idempotency=terms.idempotency(JobKind.CONTOURS, upload),
         batch_id=terms.batch,
         name=terms.name,
         contours=judged.request,
         references=judged.references,
+        work=contour_work(judged.request.study, judged.request.options),
     )
     inputs = {judged.references[surface]: file for surface, file in upload.references.items()}
-    return answer(accept(access, request, inputs, owner, response), response, 202)
+    job = accept(access, request, inputs, owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)

@@ -5,6 +5,7 @@ from datetime import UTC, datetime
 from fastapi import APIRouter, Response
 
 from intake.inflate import is_gzip
+from intake.work import label_work
 from schemas.job import Job, JobKind
 from schemas.messages import JobRequest
 from service.acceptance import accept
@@ -49,15 +50,18 @@ def submit_labels(
         kind=JobKind.LABELS,
         created_at=datetime.now(tz=UTC),
         priority=terms.priority,
+        retain_s=terms.retain_s(access.settings),
         idempotency=terms.idempotency(JobKind.LABELS, upload),
         batch_id=terms.batch,
         name=terms.name,
         labels=judged.request,
         files=names,
         references=judged.references,
+        work=label_work(judged.frames, judged.request.options),
     )
     inputs = {
         **{names[view]: file for view, file in judged.maps.items()},
         **{judged.references[surface]: file for surface, file in upload.references.items()},
     }
-    return answer(accept(access, request, inputs, owner, response), response, 202)
+    job = accept(access, request, inputs, owner, response, reuse=terms.reuse)
+    return answer(job, response, response.status_code or 202)

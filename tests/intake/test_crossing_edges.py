@@ -26,14 +26,14 @@ def test_finds_what_shapely_finds(seed: int, closed: bool) -> None:
         for j in range(i + 1, len(edges))
         if shapely.crosses(edges[i], edges[j])
     }
-    found = crossing_edges(points, closed)
+    found = crossing_edges([(points, closed)])[0]
     assert found is not None
     assert set(zip(*(f.tolist() for f in found), strict=True)) == expected
 
 
 @pytest.mark.parametrize("n", [3, 40, 5000])
 def test_a_circle_crosses_nowhere(n: int) -> None:
-    found = crossing_edges(circle(n), closed=True)
+    found = crossing_edges([(circle(n), True)])[0]
     assert found is not None
     assert len(found[0]) == 0
 
@@ -41,7 +41,7 @@ def test_a_circle_crosses_nowhere(n: int) -> None:
 def test_touching_and_going_back_over_a_line_is_no_crossing() -> None:
     """A pixel outline with a spike one pixel wide."""
     spike = np.array([[0, 0], [4, 0], [4, 4], [2, 4], [2, 7], [2, 4], [0, 4]], dtype=float)
-    found = crossing_edges(spike, closed=True)
+    found = crossing_edges([(spike, True)])[0]
     assert found is not None
     assert len(found[0]) == 0
 
@@ -52,11 +52,28 @@ def test_a_long_staircase_of_level_edges_is_cheap() -> None:
     square = np.r_[
         np.c_[side, zero], np.c_[full, side], np.c_[1250 - side, full], np.c_[zero, 1250 - side]
     ]
-    found = crossing_edges(square, closed=True)
+    found = crossing_edges([(square, True)])[0]
     assert found is not None
     assert len(found[0]) == 0
 
 
 def test_a_tangle_is_given_up() -> None:
     points = np.random.default_rng(0).normal(size=(5000, 2))
-    assert crossing_edges(points, closed=True) is None
+    assert crossing_edges([(points, True)]) == [None]
+
+
+def test_many_outlines_are_searched_as_each_alone() -> None:
+    rng = np.random.default_rng(1)
+    tangle = rng.normal(size=(3000, 2))
+    outlines = [(circle(40), True), (tangle, True)]
+    outlines += [(rng.normal(size=(n, 2)) + 100.0 * n, n % 2 == 0) for n in range(3, 40)]
+    together = crossing_edges(outlines)
+    assert together[1] is None
+    for outline, found in zip(outlines, together, strict=True):
+        (alone,) = crossing_edges([outline])
+        if alone is None or found is None:
+            assert alone is found
+            continue
+        assert set(zip(*map(np.ndarray.tolist, found), strict=True)) == set(
+            zip(*map(np.ndarray.tolist, alone), strict=True)
+        )

@@ -5,7 +5,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
-from intake.even_odd import crossings, crossings_of_axis, inside
+from intake.even_odd import inside
 
 Array = NDArray[np.float64]
 
@@ -78,14 +78,3 @@ def test_an_outline_of_long_edges_is_taken_in_blocks() -> None:
     at = np.random.default_rng(4).uniform((0, 0.01), (2499, 0.99), (5000, 2))
     expected = shapely.contains_xy(shapely.Polygon(ring), at[:, 0], at[:, 1])
     np.testing.assert_array_equal(inside(at, [ring]), expected)
-
-
-def test_a_line_is_crossed_where_lines_at_its_height_are() -> None:
-    rng = np.random.default_rng(3)
-    for _ in range(50):
-        # Whole numbers: corners on the line, and edges along it.
-        rings = [rng.integers(-3, 4, size=(n, 2)).astype(float) for n in rng.integers(3, 12, 2)]
-        (expected,) = [at for _, at in crossings(rings, np.zeros(1))] or [np.empty(0)]
-        found = crossings_of_axis(rings)
-        assert np.array_equal(np.sort(found), np.sort(expected))
-        assert len(found) % 2 == 0

@@ -34,7 +34,7 @@ def totals(redis: Redis) -> Totals:
 
 def test_nothing_has_happened_yet(redis: Redis, records: JobRecords, request_: JobRequest) -> None:
     records.accepted(request_)
-    assert totals(redis) == Totals({}, 0, 0, {})
+    assert totals(redis) == Totals({}, 0, 0, 0, {})
 
 
 def test_an_end_is_counted_once_with_its_stages(
@@ -106,7 +106,7 @@ def test_what_a_lost_redis_had_counted_is_not_counted_again(
 ) -> None:
     ended = outcome(JobState.SUCCEEDED, fitting=12.0)
     records.restore(request_, ended)
-    assert totals(redis) == Totals({}, 0, 0, {})
+    assert totals(redis) == Totals({}, 0, 0, 0, {})
 
 
 def test_an_end_that_only_the_folder_knew_is_counted_with_its_stages(

@@ -7,7 +7,7 @@ from redis import Redis
 
 from jobs.live_workers import LiveWorkers
 from jobs.records import JobRecords
-from jobs.runtimes import mean_runtime_s
+from jobs.runtimes import seconds_per_work
 from jobs.waiting_line import WaitingLine
 from schemas.job import Job, JobState, Priority
 from schemas.messages import JobRequest, Outcome
@@ -22,8 +22,8 @@ def line(redis: Redis) -> WaitingLine:
 
 @pytest.fixture
 def accept(records: JobRecords, make_request: Callable[[], JobRequest]) -> Accept:
-    def one(priority: Priority = Priority.INTERACTIVE) -> str:
-        request = make_request().model_copy(update={"priority": priority})
+    def one(priority: Priority = Priority.INTERACTIVE, work: float = 1.0) -> str:
+        request = make_request().model_copy(update={"priority": priority, "work": work})
         records.accepted(request)
         return request.job_id
 
@@ -98,10 +98,35 @@ def test_estimates_grow_along_the_line_and_shrink_with_workers(
     assert placed(line, records, running)[0].estimated_start_s is None
 
 
+def test_estimates_follow_the_work_that_jobs_ask_for(
+    redis: Redis, line: WaitingLine, records: JobRecords, accept: Accept
+) -> None:
+    """One pace, 2 s a standard fit, serves a quick and a thorough job, whichever was measured."""
+    redis.rpush("neuralmri:seconds-per-work", "2.0")
+    line.workers.heartbeat("worker@host")
+    running = accept(work=4.0)
+    records.claim(running, 60.0, 3)
+    quick, thorough, last = accept(work=0.25), accept(work=10.0), accept()
+    batch = accept(Priority.BATCH)
+    told = [j.estimated_start_s for j in placed(line, records, quick, thorough, last, batch)]
+    assert told == pytest.approx([8.0, 8.5, 28.5, 30.5])
+    assert line.next_start_s() == 8.0
+    records.request_cancel(thorough)
+    assert placed(line, records, last)[0].estimated_start_s == 8.5
+    for job_id in (running, quick, thorough, last, batch):
+        records.forget(job_id)
+    assert redis.keys("neuralmri:work:*") == []
+
+
+def test_the_pace_is_time_by_work(redis: Redis, records: JobRecords, accept: Accept) -> None:
+    done(records, accept(work=4.0), 0.4)
+    assert seconds_per_work(redis) == pytest.approx(0.1, rel=0.2)
+
+
 def test_only_what_a_worker_did_in_one_go_is_a_runtime(
     redis: Redis, records: JobRecords, accept: Accept
 ) -> None:
-    assert mean_runtime_s(redis) is None
+    assert seconds_per_work(redis) is None
     failed, lost, told, retried = (accept() for _ in range(4))
     token = records.claim(failed, 60.0, 3).token
     assert token is not None
@@ -110,10 +135,10 @@ def test_only_what_a_worker_did_in_one_go_is_a_runtime(
     records.restore(JobRequest.model_validate(_request(told)), outcome(JobState.SUCCEEDED))
     records.claim(retried, 0.0, 3)
     done(records, retried, 0.0)
-    assert mean_runtime_s(redis) is None
+    assert seconds_per_work(redis) is None
     done(records, lost, 0.2)
     done(records, accept(), 0.4)
-    assert mean_runtime_s(redis) == pytest.approx(0.3, rel=0.2)
+    assert seconds_per_work(redis) == pytest.approx(0.3, rel=0.2)
 
 
 def test_an_end_that_is_said_twice_is_one_runtime(
@@ -125,15 +150,15 @@ def test_an_end_that_is_said_twice_is_one_runtime(
     end = outcome(JobState.SUCCEEDED)
     records.finished(job_id, token, end)
     records.finished(job_id, token, end)
-    assert redis.llen("neuralmri:runtimes-s") == 1
+    assert redis.llen("neuralmri:seconds-per-work") == 1
 
 
 def test_old_runtimes_are_forgotten(redis: Redis, records: JobRecords, accept: Accept) -> None:
-    redis.rpush("neuralmri:runtimes-s", *["1000.0"] * 60)
+    redis.rpush("neuralmri:seconds-per-work", *["1000.0"] * 60)
     for _ in range(50):
         done(records, accept(), 0.0)
-    assert redis.llen("neuralmri:runtimes-s") == 50
-    found = mean_runtime_s(redis)
+    assert redis.llen("neuralmri:seconds-per-work") == 50
+    found = seconds_per_work(redis)
     assert found is not None
     assert found < 1.0
 

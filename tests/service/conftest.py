@@ -43,6 +43,7 @@ def _settings(redis_server: RedisServer, data_dir: Path) -> ServiceSettings:
         data_dir=data_dir,
         redis_timeout_s=1.0,
         reconcile_every_s=3600.0,
+        refusals_per_minute=0,  # all tests come from one address
     )
 
 

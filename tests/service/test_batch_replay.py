@@ -42,6 +42,7 @@ from schemas.messages import Idempotency
 from service.access import JobAccess
 from service.batches import reading, submission, taking_in
 from service.batches.book import BatchBook
+from service.batches.terms import BatchTerms
 from service.payload_hash import batch_sha256
 from service.settings import ServiceSettings
 import jobs.submission
@@ -68,10 +69,10 @@ elif where == "writing":
     BatchBook.write = dying(BatchBook.write)
 studies = reading.read_batch(body, reading.JSON, settings.limits(), 100)
 limits = settings.limits()
-digest = batch_sha256(Priority.BATCH, body, in_lines=False)
+digest = batch_sha256(Priority.BATCH, body, {}, in_lines=False)
 key = Idempotency(key=sys.argv[4], payload_sha256=digest)
 judge = lambda: studies.judged(limits)
-submission.accept_batch(access, judge, "anonymous", Priority.BATCH, key)
+submission.accept_batch(access, judge, "anonymous", BatchTerms(), key)
 """
 
 

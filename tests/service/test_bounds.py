@@ -83,9 +83,11 @@ def test_retry_after_is_computed_from_runtimes_and_workers(
 ) -> None:
     api = serve(settings.model_copy(update={"max_queued_jobs": 3}))
     api.workers.heartbeat("worker@test", slots=2)
-    redis.rpush("neuralmri:runtimes-s", "100.0", "140.0")
-    for _ in range(2):
-        claim(api.records, submitted(api))
+    running = [submitted(api) for _ in range(2)]
+    for job_id in running:
+        claim(api.records, job_id)
+    work = api.store.folder(running[0]).request().work
+    redis.rpush("neuralmri:seconds-per-work", 100.0 / work, 140.0 / work)
     told = []
     for place in range(3):
         answer = api.client.post("/v1/jobs/contours", json=CONTOUR_REQUEST)
@@ -96,8 +98,8 @@ def test_retry_after_is_computed_from_runtimes_and_workers(
     answer = refused(api)
     problem_of(answer, 503, ProblemType.QUEUE_FULL)
     assert answer.headers["retry-after"] == "60", "when the next place is free"
-    redis.delete("neuralmri:runtimes-s")
-    redis.rpush("neuralmri:runtimes-s", "100000.0")
+    redis.delete("neuralmri:seconds-per-work")
+    redis.rpush("neuralmri:seconds-per-work", 100_000.0 / work)
     assert refused(api).headers["retry-after"] == "3600"
 
 

@@ -37,6 +37,8 @@ from worker.settings import WorkerSettings
 
 MakeDesk = Callable[..., Desk]
 
+CODE = "c" * 64
+
 
 def never() -> bool:
     return False
@@ -47,7 +49,7 @@ def desk(
     store: JobStore, records: JobRecords, queue: JobQueue, settings: WorkerSettings
 ) -> MakeDesk:
     def make(produce: Produce, is_shutting_down: Callable[[], bool] = never) -> Desk:
-        return Desk(store, records, queue, settings, produce, is_shutting_down)
+        return Desk(store, records, queue, settings, produce, is_shutting_down, CODE)
 
     return make
 
@@ -105,6 +107,7 @@ def test_a_computed_job_is_published_and_succeeds(
     assert (job.progress.fraction, job.progress.stage, job.attempt) == (1.0, Stage.DONE, 1)
     assert outcome.started_at is not None
     assert outcome.started_at <= outcome.finished_at
+    assert outcome.code_version == CODE
     assert folder.artifact_path("report.json").read_text() == "done"
     assert staged(folder) == []
 
@@ -414,6 +417,9 @@ def test_results_of_a_worker_that_died_before_it_could_say_so_stand(
 
     assert known(records, folder).state is JobState.SUCCEEDED
     assert folder.artifact_path("report.json").read_text() == "first"
+    outcome = folder.outcome()
+    assert outcome is not None
+    assert outcome.code_version is None, "which code the first worker had is not known"
 
 
 def test_what_a_killed_attempt_left_behind_is_removed(
