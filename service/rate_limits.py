@@ -3,6 +3,7 @@
 import hashlib
 import logging
 import math
+import threading
 import time
 from ipaddress import IPv6Address, ip_address, ip_network
 
@@ -43,6 +44,7 @@ class RateLimits:
         self._calls = _policy("calls", settings.calls_per_minute)
         self._submits = _policy("submits", settings.submits_per_minute)
         self._refusals = _policy("refusals", settings.refusals_per_minute)
+        self._turn = threading.Lock()
         self._let_be_until_s = 0.0
 
     def admit(self, request: Request, caller: Caller) -> None:
@@ -66,14 +68,17 @@ class RateLimits:
             self._take(request, [Bucket(self._refusals, _address(request))])
 
     def _take(self, request: Request, buckets: list[Bucket]) -> None:
-        if not buckets or time.monotonic() < self._let_be_until_s:
+        if not buckets:
             return
-        try:
-            taken = take(self._redis, buckets)
-        except RedisError as error:
-            self._let_be_until_s = time.monotonic() + _NOT_ASKED_S
-            log.warning("requests are not counted for %g s: %s", _NOT_ASKED_S, error)
-            return
+        with self._turn:  # one connection: a count takes a fraction of a millisecond
+            if time.monotonic() < self._let_be_until_s:
+                return
+            try:
+                taken = take(self._redis, buckets)
+            except RedisError as error:
+                self._let_be_until_s = time.monotonic() + _NOT_ASKED_S
+                log.warning("requests are not counted for %g s: %s", _NOT_ASKED_S, error)
+                return
         request.state.rate = taken
         if taken.wait_s > 0.0:
             raise rate_limited(taken)
