@@ -15,11 +15,11 @@ _SHORT_AXIS_MM = (-24.0, -12.0, 0.0, 12.0, 24.0)
 QUICK = {
     "preset": "fast",
     "levels": 1,
-    "iterations_per_level": 5,
+    "iterations_per_level": 40,
     "mesh": {"grid_mm": 5},
     "formats": ["stl"],
 }
-"""Options of a fit by the real engine that takes half a second of a core."""
+"""Options of a fit by the real engine that takes less than a second of a core."""
 
 
 def small_request(

@@ -40,9 +40,7 @@ class Stack:
         *,
         workers: int = 2,
         worker_app: str = "worker.app",
-        launch: tuple[str, ...] = (),
     ) -> None:
-        """launch: what stands before the API's own command, as a profiler does."""
         self.data_dir = folder / "data"
         self.jobs_dir = self.data_dir / "jobs"
         self.log_dir = folder / "logs"
@@ -71,7 +69,7 @@ class Stack:
             *("--no-access-log", "--no-server-header", "--timeout-graceful-shutdown", "3"),
         )
         self.redis = Member("redis", redis, env, self.log_dir)
-        self.api = Member("api", [*launch, *api], env, self.log_dir)
+        self.api = Member("api", api, env, self.log_dir)
         self.workers = [
             Member(f"worker-{number}", _worker(worker_app, number), env, self.log_dir)
             for number in range(workers)
