@@ -8,6 +8,7 @@ from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
+from jobs.settled import Settled
 from jobs.store import JobStore
 from schemas.job import JobState
 from schemas.messages import ReconstructMessage
@@ -28,7 +29,11 @@ class Reconciled:
 
 
 def reconcile(
-    store: JobStore, records: JobRecords, queue: JobQueue, lost_after_s: float
+    store: JobStore,
+    records: JobRecords,
+    queue: JobQueue,
+    lost_after_s: float,
+    settled: Settled | None = None,
 ) -> Reconciled:
     """Bring every job that has a folder to where a worker or its caller will find it.
 
@@ -37,6 +42,8 @@ def reconcile(
       outcome in its folder; a cancelling job without a worker is cancelled.
     - A job that had neither a live lease for `lost_after_s` nor a message waiting is enqueued.
     - A record without a folder is an erased job, and is forgotten.
+
+    `settled` is what earlier rounds of this process found to need nothing more.
 
     Any number of processes may do this at any time. Raises RedisError, or InternalError where the
     queue takes no message; the next round goes on from there.
@@ -47,13 +54,18 @@ def reconcile(
     # Listed before the folders: a folder is made before its record.
     known = records.ids()
     folders = store.ids()
+    settled = settled or Settled()
+    left = settled.left(folders, records)
     done: dict[str, list[str]] = {"restored": [], "enqueued": [], "ended": []}
-    for job_id in folders:
+    for job_id in left:
         folder = store.folder(job_id)
         try:
             mended = _mend(folder, records)
         except JobGone:
             continue  # erased under our hands
+        if mended == "settled":
+            settled.note(job_id)
+            continue
         if mended:
             done[mended].append(job_id)
         if job_id in waiting:
@@ -63,7 +75,9 @@ def reconcile(
             if job is not None:
                 queue.enqueue(ReconstructMessage.of_job(job))
                 done["enqueued"].append(job_id)
-    forgotten = [job_id for job_id in {*known, *folders} if not store.folder(job_id).exists()]
+    # What was settled was not touched: one that is erased by now is not listed next time.
+    touched = {*left, *known} - (set(folders) - set(left))
+    forgotten = [job_id for job_id in touched if not store.folder(job_id).exists()]
     for job_id in forgotten:
         records.forget(job_id)
     records.wholeness.end_round(begun)
@@ -72,7 +86,7 @@ def reconcile(
     )
 
 
-def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"] | None:
+def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended", "settled"] | None:
     """Make record and folder of one job agree, and say what it took. Raises JobGone."""
     job = records.get(folder.job_id)
     outcome = folder.outcome()
@@ -83,7 +97,7 @@ def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"
         return "restored" if was_unknown else None
     if job.state.is_terminal:
         if outcome is not None and outcome.state is job.state:
-            return None
+            return "settled"
         settle(folder, records, job)
         return "ended"
     if outcome is not None:

@@ -7,6 +7,7 @@ from types import TracebackType
 from redis.exceptions import RedisError
 
 from jobs.reconcile import reconcile
+from jobs.settled import Settled
 from schemas.problem import InternalError
 from service.access import JobAccess
 
@@ -20,6 +21,7 @@ class Reconciler:
 
     def __init__(self, access: JobAccess) -> None:
         self._access = access
+        self._settled = Settled()
         self._stopping = threading.Event()
         self._thread = threading.Thread(target=self._run, name="reconciler", daemon=True)
 
@@ -45,7 +47,11 @@ class Reconciler:
         access = self._access
         try:
             mended = reconcile(
-                access.store, access.records, access.queue, access.settings.lost_after_s
+                access.store,
+                access.records,
+                access.queue,
+                access.settings.lost_after_s,
+                self._settled,
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
         except (RedisError, InternalError) as error:
