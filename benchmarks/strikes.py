@@ -112,7 +112,7 @@ class Striker:
     def _refused(self, kind: Strike, delay_s: float) -> None:
         with self._stack.redis_client() as client:
             if kind is Strike.NO_MEMORY:
-                client.config_set("maxmemory", "1mb")
+                client.config_set("maxmemory", "1")
             else:
                 # Of a master that is not there: its data stay, and nobody may write.
                 client.replicaof("127.0.0.1", 1)

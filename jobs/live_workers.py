@@ -10,6 +10,8 @@ _KEY = "neuralmri:workers"
 _SLOTS_KEY = "neuralmri:worker-slots"
 _FINISHED_KEY = "neuralmri:heartbeat"
 
+_PROBE_KEY = "neuralmri:probe"
+
 _FORGOTTEN_AFTER_S = 3600.0
 """Names of workers that are gone would pile up: each start of a container brings a new one."""
 
@@ -19,6 +21,10 @@ class LiveWorkers:
 
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
+
+    def check_heard(self) -> None:
+        """Raises RedisError where Redis would not take a heartbeat: out of memory, or a replica."""
+        self._redis.set(_PROBE_KEY, "1", px=1000)
 
     def heartbeat(self, worker_name: str, slots: int = 1) -> None:
         """Say that a worker is alive and takes jobs, `slots` of them at a time."""

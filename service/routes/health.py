@@ -1,7 +1,7 @@
 """Whether the service is alive, and whether it can take and finish work."""
 
 from fastapi import APIRouter
-from redis.exceptions import RedisError
+from redis.exceptions import RedisError, ResponseError
 
 from schemas.base import WireModel
 from schemas.problem import InternalError, ProblemPart, ProblemType
@@ -40,11 +40,15 @@ def readyz(access: Access) -> Ready:
     missing: list[ProblemPart] = []
     workers: list[str] = []
     try:
+        access.workers.check_heard()
         workers = access.live_workers()
         if not workers:
             missing.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
         elif not access.is_work_done():
             missing.append(ProblemPart(pointer="workers", detail=_no_heartbeat(access)))
+    except ResponseError as error:
+        detail = f"Redis takes no writes ({type(error).__name__})"
+        missing.append(ProblemPart(pointer="redis", detail=detail))
     except RedisError as error:
         detail = f"Redis does not answer ({type(error).__name__})"
         missing.append(ProblemPart(pointer="redis", detail=detail))
