@@ -20,8 +20,8 @@ def app_of_process() -> FastAPI:
     write_logs(settings.log_format)
     sys.setswitchinterval(_SWITCH_INTERVAL_S)
     app = create_app(settings)
-    # Modules, models and routes stay for good: every full collection would walk through them, for
-    # a tenth of a second in which nobody is answered.
+    # Modules, models and routes stay for good: every full collection would walk through them,
+    # and nobody is answered meanwhile.
     gc.collect()
     gc.freeze()
     return app
