@@ -11,6 +11,8 @@ _SLOTS_KEY = "neuralmri:worker-slots"
 _CODE_KEY = "neuralmri:worker-code"
 _FINISHED_KEY = "neuralmri:heartbeat"
 
+_PROBE_KEY = "neuralmri:probe"
+
 _FORGOTTEN_AFTER_S = 3600.0
 """Names of workers that are gone would pile up: each start of a container brings a new one."""
 
@@ -25,6 +27,10 @@ class LiveWorkers:
 
     def __init__(self, redis: Redis) -> None:
         self._redis = redis
+
+    def check_heard(self) -> None:
+        """Raises RedisError where Redis would not take a heartbeat: out of memory, or a replica."""
+        self._redis.set(_PROBE_KEY, "1", px=1000)
 
     def heartbeat(self, worker_name: str, slots: int = 1, code_version: str = "") -> None:
         """Say that a worker is alive and takes jobs, `slots` of them at a time, by which code."""

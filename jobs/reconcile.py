@@ -10,6 +10,7 @@ from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.setting_aside import set_aside
+from jobs.settled import Settled
 from jobs.store import JobStore
 from schemas.job import JobState
 from schemas.messages import JobRequest, ReconstructMessage
@@ -36,7 +37,11 @@ class Reconciled:
 
 
 def reconcile(
-    store: JobStore, records: JobRecords, queue: JobQueue, lost_after_s: float
+    store: JobStore,
+    records: JobRecords,
+    queue: JobQueue,
+    lost_after_s: float,
+    settled: Settled | None = None,
 ) -> Reconciled:
     """Bring every job that has a folder to where a worker or its caller will find it.
 
@@ -47,6 +52,8 @@ def reconcile(
     - A record without a folder is an erased job, and is forgotten.
     - A folder that is no job is put into quarantine, and keeps no other job waiting.
 
+    `settled` is what earlier rounds of this process found to need nothing more.
+
     Any number of processes may do this at any time. Raises RedisError, or InternalError where the
     queue takes no message; the next round goes on from there.
     """
@@ -56,10 +63,12 @@ def reconcile(
     # Listed before the folders: a folder is made before its record.
     known = records.ids()
     folders = store.ids()
+    settled = settled or Settled()
+    left = settled.left(folders, records)
     done: dict[str, list[str]] = {"restored": [], "enqueued": [], "ended": []}
     suspects: set[str] = set()
     unread: set[str] = set()
-    for job_id in folders:
+    for job_id in left:
         folder = store.folder(job_id)
         try:
             mended = _mend(folder, records)
@@ -72,6 +81,9 @@ def reconcile(
             _LOGGER.warning("job %s was not mended: %s", job_id, error)
             unread.add(job_id)
             continue
+        if mended == "settled":
+            settled.note(job_id)
+            continue
         if mended:
             done[mended].append(job_id)
         if job_id in waiting:
@@ -81,7 +93,9 @@ def reconcile(
             if job is not None:
                 queue.enqueue(ReconstructMessage.of_job(job))
                 done["enqueued"].append(job_id)
-    gone = {job_id for job_id in {*known, *folders} - unread if not store.folder(job_id).exists()}
+    # What was settled was not touched: one that is erased by now is not listed next time.
+    touched = {*left, *known} - (set(folders) - set(left))
+    gone = {job_id for job_id in touched - unread if not store.folder(job_id).exists()}
     quarantined = set_aside(store, suspects | unread | gone.intersection(folders))
     forgotten = gone | set(known).intersection(quarantined)
     for job_id in forgotten:
@@ -96,7 +110,7 @@ def reconcile(
     )
 
 
-def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"] | None:
+def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended", "settled"] | None:
     """Make record and folder of one job agree, and say what it took.
 
     Raises JobGone, ValueError where the folder is damaged, OSError.
@@ -110,7 +124,7 @@ def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"
         return "restored" if was_unknown else None
     if job.state.is_terminal:
         if outcome is not None and outcome.state is job.state:
-            return None
+            return "settled"
         settle(folder, records, job)
         return "ended"
     if outcome is not None:

@@ -37,6 +37,9 @@ from schemas.messages import JobRequest, Outcome
 
 _LOGGER = logging.getLogger(__name__)
 
+_AT_ONCE = 1000
+"""Records asked for in one breath: others are answered in between."""
+
 _Step = Callable[[Record | None, int], Record | None]
 
 
@@ -111,6 +114,16 @@ class JobRecords:
     def ids(self) -> list[str]:
         """Every known job, oldest first."""
         return cast(list[str], self._redis.zrange(index_key(ANY_OWNER), 0, -1))
+
+    def states(self, job_ids: Sequence[str]) -> list[JobState | None]:
+        """Where each job stands; None for an unknown one."""
+        found: list[JobState | None] = []
+        for start in range(0, len(job_ids), _AT_ONCE):
+            with self._redis.pipeline(transaction=False) as pipe:
+                for job_id in job_ids[start : start + _AT_ONCE]:
+                    pipe.hget(record_key(job_id), "state")
+                found += [JobState(state) if state else None for state in pipe.execute()]
+        return found
 
     def oldest(self, state: JobState) -> str | None:
         """The id of the job that was accepted first of those in a state."""

@@ -50,8 +50,11 @@ class WaitingLine:
         return pace.start_in_s(0, LineWork.now(self.redis).mean_held()) if pace else None
 
     def _ranks(self, waiting: Sequence[Job]) -> list[int | None]:
-        """How many interactive jobs wait, and each job's rank among those of its priority."""
-        with self.redis.pipeline() as pipe:
+        """How many interactive jobs wait, and each job's rank among those of its priority.
+
+        No transaction, which a Redis that is out of memory refuses even where it only reads.
+        """
+        with self.redis.pipeline(transaction=False) as pipe:
             pipe.zcard(line_key(Priority.INTERACTIVE))
             for job in waiting:
                 pipe.zrank(line_key(job.priority), job.id)
@@ -63,7 +66,7 @@ class WaitingLine:
         slots = self.workers.slots(self.worker_alive_s)
         if of_work_s is None or slots == 0:
             return None
-        with self.redis.pipeline() as pipe:
+        with self.redis.pipeline(transaction=False) as pipe:
             for state in (JobState.RUNNING, JobState.CANCELLING):
                 pipe.zcard(index_key(ANY_OWNER, state))
             return _Pace(sum(pipe.execute()), slots, of_work_s)

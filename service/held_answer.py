@@ -27,7 +27,7 @@ PREFERENCE_APPLIED: dict[str, Any] = {
     }
 }
 
-JobAnswer = Callable[[Job, Response, int], Job | Response]
+JobAnswer = Callable[[Job, Response, int], Response]
 """Makes a route's answer from the job, the response that holds its headers, and its status."""
 
 
@@ -81,13 +81,19 @@ class HeldAnswer(Response):
             raise
 
 
-def job_answer(access: Access, listening: Listeners, prefer: Prefer = None) -> JobAnswer:
+async def job_answer(access: Access, listening: Listeners, prefer: Prefer = None) -> JobAnswer:
     """What a route returns its job through: held where the request prefers that and may be."""
 
-    def answer(job: Job, response: Response, status: int) -> Job | Response:
+    def answer(job: Job, response: Response, status: int) -> Response:
         wait_s = preferred_wait_s(prefer or [])
         if wait_s is None:
-            return job
+            # As a whole answer: a model would be validated and copied again, in another thread.
+            return Response(
+                job.model_dump_json(),
+                status_code=status,
+                headers=dict(response.headers),
+                media_type="application/json",
+            )
         response.status_code = status
         return HeldAnswer(job, min(wait_s, access.settings.max_wait_s), response, access, listening)
 

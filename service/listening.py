@@ -90,7 +90,7 @@ class Listening:
                 await waiter.wait(min(self.heartbeat_s, max(0.0, deadline_s - time.monotonic())))
 
 
-def listening_of(request: Request) -> Listening:
+async def listening_of(request: Request) -> Listening:
     """The process's listeners."""
     listening: Listening = request.app.state.listening
     return listening

@@ -1,6 +1,6 @@
 """What is missing for a job sent now to be taken and done."""
 
-from redis.exceptions import RedisError
+from redis.exceptions import RedisError, ResponseError
 
 from schemas.problem import ProblemPart
 from service.access import JobAccess
@@ -10,10 +10,14 @@ def missing(access: JobAccess) -> list[ProblemPart]:
     """Each part that is not ready, named by its pointer: `workers`, `redis`, `store`."""
     found: list[ProblemPart] = []
     try:
+        access.workers.check_heard()
         if not access.live_workers():
             found.append(ProblemPart(pointer="workers", detail=_no_worker(access)))
         elif not access.is_work_done():
             found.append(ProblemPart(pointer="workers", detail=_no_heartbeat(access)))
+    except ResponseError as error:
+        detail = f"Redis takes no writes ({type(error).__name__})"
+        found.append(ProblemPart(pointer="redis", detail=detail))
     except RedisError as error:
         detail = f"Redis does not answer ({type(error).__name__})"
         found.append(ProblemPart(pointer="redis", detail=detail))

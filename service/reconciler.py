@@ -6,6 +6,7 @@ from redis.exceptions import RedisError
 
 from jobs.periodic_thread import PeriodicThread
 from jobs.reconcile import reconcile
+from jobs.settled import Settled
 from schemas.problem import InternalError
 from service.access import JobAccess
 from service.audit_log import AuditLog
@@ -27,6 +28,7 @@ class Reconciler(PeriodicThread):
         self._batches = UnfinishedBatches(access)
         self._forgotten_batches = ForgottenBatches(access)
         self._retention = Retention(access, AuditLog.of_settings(access.settings))
+        self._settled = Settled()
 
     def _run(self) -> None:
         every_s, wait_s = self._access.settings.reconcile_every_s, 0.0
@@ -37,7 +39,11 @@ class Reconciler(PeriodicThread):
         access = self._access
         try:
             mended = reconcile(
-                access.store, access.records, access.queue, access.settings.lost_after_s
+                access.store,
+                access.records,
+                access.queue,
+                access.settings.lost_after_s,
+                self._settled,
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
             self._batches.take_in()

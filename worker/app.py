@@ -23,6 +23,7 @@ from jobs.logs import write_logs
 from worker import shutdown_flag
 from worker.code_version import code_version
 from worker.heartbeat import heartbeat_step
+from worker.niceness import give_way, let_session_give_way
 from worker.parent_death import die_with_parent
 from worker.settings import WorkerSettings
 from worker.threads import bind_libraries
@@ -56,6 +57,7 @@ def _logs(**_: Any) -> None:
 @worker_init.connect(weak=False)  # type: ignore[untyped-decorator]  # celery ships no types
 def _opens(**_: Any) -> None:
     shutdown_flag.lower_flag()
+    let_session_give_way(settings.nice)
 
 
 @worker_shutting_down.connect(weak=False)  # type: ignore[untyped-decorator]
@@ -67,6 +69,8 @@ def _closes(**_: Any) -> None:
 def _child_starts(**_: Any) -> None:
     # A child that outlived its parent would hold a job that nobody can cancel.
     die_with_parent(os.getppid())
+    # The parent stays as it is: it takes jobs and says that it is alive.
+    give_way(settings.nice)
     spans.start("neuralmri-worker")
 
 

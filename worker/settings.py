@@ -19,4 +19,10 @@ class WorkerSettings(LimitSettings, JobSettings):
     max_tasks_per_child: int = Field(
         default=20, ge=1, description="Jobs after which a child process is replaced."
     )
+    nice: int = Field(
+        default=5,
+        ge=0,
+        le=19,
+        description="How far computing gives way to other processes on the same cores.",
+    )
     heartbeat_every_s: float = Field(default=5.0, gt=0.0, le=15.0)

@@ -42,7 +42,8 @@ def setting_names() -> set[str]:
 _KEYS = {
     *("image", "build", "user", "command", "environment", "volumes", "tmpfs", "networks", "ports"),
     *("init", "restart", "read_only", "cap_drop", "security_opt", "logging", "mem_limit"),
-    *("cpus", "pids_limit", "stop_signal", "stop_grace_period", "depends_on", "healthcheck"),
+    *("cpus", "cpu_shares", "pids_limit", "stop_signal", "stop_grace_period"),
+    *("depends_on", "healthcheck"),
 }
 """Keys of a service, as the Compose Specification spells them."""
 
