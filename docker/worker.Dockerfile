@@ -17,7 +17,7 @@ RUN : "${TORCH_INDEX_URL:?name an index of CPU builds of torch with --build-arg 
       --index-url "${TORCH_INDEX_URL}" --requirement torch.txt
 # Wheels only: nothing is ever compiled, so no stage needs a compiler.
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
-      --constraint constraints.txt ".[worker]"
+      --constraint constraints.txt ".[worker]" ".[s3]"
 # A GPU build of torch, or a wheel that wants a system library this base lacks, ends the build here.
 RUN /opt/neuralmri/bin/python -c "import torch; assert torch.version.cuda is None, 'torch is a GPU build; set TORCH_INDEX_URL to an index of CPU builds'" \
     && /opt/neuralmri/bin/python -c "import igl, nibabel, scipy, shapely, skimage.measure, trimesh"

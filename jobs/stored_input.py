@@ -1,4 +1,4 @@
-"""An input that another job has stored: shared on disk rather than copied."""
+"""An input that another job has stored: shared on a disk, copied within a bucket."""
 
 import errno
 import os
@@ -31,3 +31,10 @@ class StoredInput:
             if error.errno not in _NO_LINKS:
                 raise
             shutil.copyfile(self.path, target)
+
+
+@dataclass(frozen=True)
+class StoredObject:
+    """An object of a job's inputs, by its key in the bucket. It is never written again."""
+
+    key: str

@@ -62,7 +62,7 @@ def metrics_route(registry: CollectorRegistry, access: JobAccess) -> APIRouter:
     """GET /metrics."""
     router = APIRouter(tags=["operation"])
     registry.register(JobMetrics(access))
-    registry.register(HostMetrics(access.store.root))
+    registry.register(HostMetrics(access.store))
 
     @router.get(
         "/metrics",

@@ -49,7 +49,7 @@ class Reconciler:
             )
             access.queue.give_batch_turn(access.settings.batch_turn_s)
         except (RedisError, InternalError) as error:
-            log.warning("not reconciled, Redis cannot be reached: %s", error)
+            log.warning("not reconciled: %s", error)
             return False
         except Exception:
             # Whatever it was, jobs that are lost later still need this thread.

@@ -16,7 +16,7 @@ def produce(
 ) -> Manifest:
     """Compute what the job asks for into `out_dir`. Raises as `read_job` and `run` do."""
     observer.advanced(Progress(stage=Stage.READING))
-    reading = read_job(folder, limits)
+    reading = read_job(folder, limits, out_dir)
     finished = run(
         reading.study,
         reading.options,

@@ -19,4 +19,9 @@ class WorkerSettings(LimitSettings, JobSettings):
     max_tasks_per_child: int = Field(
         default=20, ge=1, description="Jobs and heartbeats after which a child process is replaced."
     )
+    store_patience_s: float = Field(
+        default=300.0,
+        ge=0.0,
+        description="How long a finished attempt waits for a store that does not answer.",
+    )
     heartbeat_every_s: float = Field(default=5.0, gt=0.0, le=15.0)

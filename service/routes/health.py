@@ -48,8 +48,9 @@ def readyz(access: Access) -> Ready:
     except RedisError as error:
         detail = f"Redis does not answer ({type(error).__name__})"
         missing.append(ProblemPart(pointer="redis", detail=detail))
-    if not access.store.is_writable():
-        missing.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
+    trouble = access.store.trouble()
+    if trouble is not None:
+        missing.append(ProblemPart(pointer="store", detail=trouble))
     if missing:
         raise InternalError(
             ProblemType.UNAVAILABLE,

@@ -13,10 +13,10 @@ import pytest
 import uvicorn
 from redis import Redis
 
+from jobs.disk_store import DiskStore
 from jobs.live_workers import LiveWorkers
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
-from jobs.store import JobStore
 from schemas.api_key import Scope
 from service.app import create_app
 from service.keys import keyring
@@ -31,7 +31,7 @@ class Api:
 
     client: httpx.Client
     settings: ServiceSettings
-    store: JobStore
+    store: DiskStore
     records: JobRecords
     workers: LiveWorkers
     redis: Redis
@@ -68,7 +68,7 @@ def serving(settings: ServiceSettings) -> Iterator[Api]:
             yield Api(
                 client,
                 settings,
-                JobStore(settings.jobs_dir),
+                DiskStore(settings.jobs_dir),
                 JobRecords(redis),
                 LiveWorkers(redis),
                 redis,
