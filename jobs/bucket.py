@@ -76,6 +76,7 @@ class Bucket:
         self._call("put_object", Key=self._whole(key), Body=content)
 
     def put_file(self, key: str, path: Path) -> None:
+        path.stat()  # a file that is missing here is not the server's fault
         with answers():
             self._files.put_file(str(path), self._path(key), chunksize=_PART_BYTES)
 
