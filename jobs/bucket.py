@@ -1,7 +1,7 @@
 """The few things that are asked of an S3-compatible server, through s3fs.
 
 Reads see every write that was answered before them, and a write under `put_new` is refused where
-the key is taken (`If-None-Match: *`): AWS, MinIO and Ceph promise both. Raises StoreUnavailable
+the key is taken (`If-None-Match: *`): `ObjectStore.prove` tries that. Raises StoreUnavailable
 everywhere. It is to be made after a fork, and any thread may ask.
 """
 

@@ -15,7 +15,6 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping
-from functools import partial
 from pathlib import Path
 
 from jobs.durable import sync_folder, sync_tree, write_durably
@@ -130,7 +129,7 @@ class DiskFolder:
             stat = path.stat()
         except FileNotFoundError as error:
             raise JobGone(f"job {self.job_id} has no {name}") from error
-        return StoredFile(stat.st_size, stat.st_mtime, partial(open, path, "rb"))
+        return StoredFile(stat.st_size, stat.st_mtime, lambda: path.open("rb"))
 
     def artifact_path(self, name: str) -> Path:
         """Where a published artifact lies. Raises KeyError for a name not in the manifest."""

@@ -38,7 +38,7 @@ class ObjectStore:
             if self.bucket.put_new(probe, b"first") and self.bucket.put_new(probe, b"second"):
                 raise StoreMisfit(
                     "the store takes no heed of If-None-Match on PUT, so two workers could both "
-                    "end one job: use one that does, as AWS, MinIO and Ceph do"
+                    "end one job: use one that does"
                 )
             self.bucket.delete(probe)
         except StoreMisfit:

@@ -63,7 +63,8 @@ def reconcile(
             if job is not None:
                 queue.enqueue(ReconstructMessage.of_job(job))
                 done["enqueued"].append(job_id)
-    forgotten = [job_id for job_id in {*known, *folders} if not store.folder(job_id).exists()]
+    # One listing, not a question a job: the store may be far away.
+    forgotten = {*known, *folders}.difference(store.ids())
     for job_id in forgotten:
         records.forget(job_id)
     records.wholeness.end_round(begun)
