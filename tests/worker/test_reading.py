@@ -9,6 +9,8 @@ import trimesh
 
 from intake.limits import Limits
 from jobs.disk_folder import DiskFolder
+from jobs.folder import JobFolder
+from jobs.store import JobStore
 from schemas.job import JobKind
 from schemas.labels import LabelRequest, LabelScheme
 from schemas.messages import ContourRequest, JobRequest
@@ -153,9 +155,7 @@ def maps(tmp_path_factory: pytest.TempPathFactory) -> dict[View, Path]:
     return write_label_maps(heart(), tmp_path_factory.mktemp("maps"), LabelScheme.ACDC)
 
 
-def label_job(
-    folder: DiskFolder, maps: dict[View, Path], references: dict[str, bytes]
-) -> DiskFolder:
+def label_job(folder: JobFolder, maps: dict[View, Path], references: dict[str, bytes]) -> JobFolder:
     names = {view: f"{view}{''.join(path.suffixes)}" for view, path in maps.items()}
     folder.create(
         JobRequest(
@@ -188,3 +188,18 @@ def test_what_the_maps_do_not_show_is_found_out_here(
         read_job(
             label_job(new_folder, maps, {"ES_lv_endo": ellipsoid("lv_endo")}), Limits(), STAGING
         )
+
+
+def test_a_job_is_read_alike_from_a_disk_and_from_a_bucket(
+    new_folder: DiskFolder, bucket_store: JobStore, maps: dict[View, Path]
+) -> None:
+    references = {"ED_lv_endo": ellipsoid("lv_endo")}
+    from_disk = read_job(label_job(new_folder, maps, references), Limits(), STAGING)
+    folder = label_job(bucket_store.folder(bucket_store.new_id()), maps, references)
+    staging = folder.staging(1)
+    from_bucket = read_job(folder, Limits(), staging)
+    assert from_bucket.input_sha256 == from_disk.input_sha256
+    assert from_bucket.study == from_disk.study
+    assert list(staging.iterdir()) == [], "what was fetched is not among the results"
+    folder.drop_staging(staging)
+    assert not staging.parent.exists()
