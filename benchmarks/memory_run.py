@@ -14,12 +14,12 @@ import psutil
 from benchmarks.measure import ROOT
 from benchmarks.small_study import QUICK, small_request
 from benchmarks.stack import Stack, running
+from jobs.open_store import open_store
 from jobs.queue import JobQueue
 from jobs.reconcile import reconcile
 from jobs.records import JobRecords
 from jobs.settings import JobSettings
 from jobs.settled import Settled
-from jobs.store import JobStore
 
 _CALLERS = 4
 _WITHIN_S = 120.0
@@ -117,7 +117,7 @@ def _rounds_s(stack: Stack) -> Iterator[float]:
     settings = JobSettings(redis_url=stack.redis_url, data_dir=stack.data_dir)
     settled = Settled()
     with stack.redis_client() as redis:
-        store, records = JobStore(settings.jobs_dir), JobRecords(redis)
+        store, records = open_store(settings), JobRecords(redis)
         queue = JobQueue(settings, redis)
         for _ in range(2):
             begun_s = time.perf_counter()

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import worker.task  # noqa: F401  registers the real task, which goes below
 from jobs.folder import JobFolder
+from jobs.open_store import open_store
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
-from jobs.store import JobStore
 from schemas.artifacts import Artifact, Manifest
 from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
 from schemas.vocabulary import Axes
@@ -37,7 +37,7 @@ def do_nothing(**message: str) -> None:
 def _desk() -> Desk:
     redis = make_redis(settings.redis_url, settings.redis_timeout_s)
     return Desk(
-        store=JobStore(settings.jobs_dir),
+        store=open_store(settings),
         records=JobRecords(redis),
         queue=JobQueue(settings, redis),
         settings=settings,

@@ -11,7 +11,7 @@ RUN python -m venv --without-pip /opt/neuralmri
 # Wheels only: nothing is ever compiled, so no stage needs a compiler.
 COPY pyproject.toml constraints.txt README.md LICENSE ./
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
-      --constraint constraints.txt ".[service]"
+      --constraint constraints.txt ".[service]" ".[s3]"
 # What sends spans to an OpenTelemetry collector, for who wants it: --build-arg OTEL=true
 ARG OTEL=false
 RUN if [ "${OTEL}" = true ]; then \

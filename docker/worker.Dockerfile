@@ -19,7 +19,7 @@ RUN : "${TORCH_INDEX_URL:?name an index of CPU builds of torch with --build-arg 
 # libigl's brings modules that nothing here loads and that may not be passed on like the rest: CGAL
 # (GPL), tetgen (AGPL) and triangle (not for trade).
 RUN pip --python /opt/neuralmri/bin/python install --no-cache-dir --only-binary=:all: \
-      --constraint constraints.txt ".[worker]" \
+      --constraint constraints.txt ".[worker]" ".[s3]" \
     && rm -r /opt/neuralmri/lib/python3*/site-packages/igl/copyleft \
       /opt/neuralmri/lib/python3*/site-packages/igl/triangle
 # What sends spans to an OpenTelemetry collector, for who wants it: --build-arg OTEL=true

@@ -8,7 +8,7 @@ from typing import BinaryIO
 
 from jobs.errors import JobGone
 from jobs.folder import Source
-from jobs.stored_input import StoredInput
+from jobs.stored_input import StoredInput, StoredObject
 from schemas.messages import JobRequest
 
 _CHUNK_BYTES = 1 << 20
@@ -43,6 +43,8 @@ def _chunks(source: Source) -> Iterable[bytes]:
         return (source,)
     if isinstance(source, StoredInput):
         return _of_path(source.path)
+    if isinstance(source, StoredObject):
+        return _closing(source.open())
     if isinstance(source, Path):
         return _of_path(source)
     source.seek(0)
@@ -55,6 +57,11 @@ def _of_path(path: Path) -> Iterator[bytes]:
             yield from _of_file(file)
     except FileNotFoundError as error:
         raise JobGone(f"{path.name} was erased") from error
+
+
+def _closing(file: BinaryIO) -> Iterator[bytes]:
+    with file:
+        yield from _of_file(file)
 
 
 def _of_file(file: BinaryIO) -> Iterator[bytes]:

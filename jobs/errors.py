@@ -5,6 +5,8 @@ JobStepRefused
 |-- JobGone            the job's folder is not there: never was, or erased
 |-- StaleToken         another attempt, a cancellation or an erasure has overtaken this token
 `-- IllegalTransition  the lifecycle has no such step (a bug in the caller)
+
+A store that fails is not a refusal: see `jobs/store_errors.py`.
 """
 
 

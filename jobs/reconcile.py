@@ -9,7 +9,6 @@ from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
-from jobs.setting_aside import set_aside
 from jobs.settled import Settled
 from jobs.store import JobStore
 from schemas.job import JobState
@@ -95,8 +94,8 @@ def reconcile(
                 done["enqueued"].append(job_id)
     # What was settled was not touched: one that is erased by now is not listed next time.
     touched = {*left, *known} - (set(folders) - set(left))
-    gone = {job_id for job_id in touched - unread if not store.folder(job_id).exists()}
-    quarantined = set_aside(store, suspects | unread | gone.intersection(folders))
+    gone = store.gone(touched - unread)
+    quarantined = store.set_aside(suspects | unread | gone.intersection(folders))
     forgotten = gone | set(known).intersection(quarantined)
     for job_id in forgotten:
         records.forget(job_id)

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from datetime import UTC, datetime
 
 from jobs.folder import JobFolder
-from jobs.stored_input import StoredInput
+from jobs.stored_input import StoredInput, StoredObject
 from schemas.messages import JobRequest
 from schemas.options import Options
 
@@ -35,7 +35,9 @@ def again(request: JobRequest, job_id: str, options: Options) -> JobRequest:
     )
 
 
-def stored_inputs(folder: JobFolder, request: JobRequest) -> Mapping[str, StoredInput]:
+def stored_inputs(
+    folder: JobFolder, request: JobRequest
+) -> Mapping[str, StoredInput | StoredObject]:
     """The input files of a job by their names. Raises JobGone."""
     names = [*request.files.values(), *request.references.values()]
-    return {name: StoredInput(folder.input_path(name)) for name in names}
+    return {name: folder.stored_input(name) for name in names}

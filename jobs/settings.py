@@ -24,6 +24,17 @@ class JobSettings(BaseSettings):
 
     redis_url: str = "redis://127.0.0.1:6379/0"
     data_dir: Path = Field(default=Path("data"), description="Job folders are in its `jobs`.")
+    store_url: str | None = Field(
+        default=None,
+        pattern=r"^s3://[a-z0-9][a-z0-9.-]{1,61}[a-z0-9](/[A-Za-z0-9._/-]*)?$",
+        description="A bucket for the job folders, `s3://bucket/prefix`; unset, `data_dir`.",
+    )
+    store_timeout_s: float = Field(
+        default=10.0,
+        gt=0.0,
+        le=300.0,
+        description="How long one connection to the bucket, or one silence of it, may take.",
+    )
     redis_timeout_s: float = Field(default=2.0, gt=0.0, le=60.0)
     lease_s: float = Field(
         default=30.0, ge=1.0, le=3600.0, description="How long a worker may be silent about a job."

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pydantic import BaseModel, ValidationError
 
-from jobs.folder import JobFolder
+from jobs.disk_folder import DiskFolder
 from schemas.messages import JobRequest, Outcome
 
 _FORMS: dict[str, type[BaseModel]] = {"request.json": JobRequest, "outcome.json": Outcome}
@@ -26,8 +26,8 @@ class Fault:
     is_damage: bool = True
 
 
-def fault_of(folder: JobFolder) -> Fault | None:
-    """What is wrong with a job's folder; None where it is sound, or gone.
+def fault_of(folder: DiskFolder) -> Fault | None:
+    """What is wrong with a job's folder on a disk; None where it is sound, or gone.
 
     Raises OSError where the disk does not say.
     """
@@ -35,30 +35,35 @@ def fault_of(folder: JobFolder) -> Fault | None:
         return (
             Fault("it has the name of a job and is no folder") if _is_there(folder.path) else None
         )
-    for name, form in _FORMS.items():
-        fault = _fault_of_file(folder, name, form)
+    for name in _FORMS:
+        fault = _fault_of_file(folder, name)
         if fault is not None:
             return fault if _is_there(folder.path) else None
     return None
 
 
-def _fault_of_file(folder: JobFolder, name: str, form: type[BaseModel]) -> Fault | None:
+def _fault_of_file(folder: DiskFolder, name: str) -> Fault | None:
     try:
         text = (folder.path / name).read_bytes()
     except FileNotFoundError:
         return Fault(f"it has no {name}") if name == "request.json" else None
     except IsADirectoryError:
         return Fault(f"its {name} is a folder")
+    return fault_in(folder.job_id, name, text)
+
+
+def fault_in(job_id: str, name: str, text: bytes) -> Fault | None:
+    """What is wrong with a job's `request.json` or `outcome.json`; None where it is sound."""
     try:
         content = json.loads(text)
     except ValueError as error:
         return Fault(f"its {name} is damaged: {type(error).__name__} in {len(text)} bytes")
     if not isinstance(content, dict):
         return Fault(f"its {name} is damaged: it holds no object")
-    if name == "request.json" and content.get("job_id") != folder.job_id:
+    if name == "request.json" and content.get("job_id") != job_id:
         return Fault(f"its {name} is of another job")
     try:
-        form.model_validate_json(text)
+        _FORMS[name].model_validate_json(text)
     except ValidationError as error:
         return Fault(f"its {name} has {error.error_count()} fields unknown here", is_damage=False)
     return None

@@ -1,10 +1,12 @@
-"""An input that another job has stored: shared on disk rather than copied."""
+"""An input that another job has stored: shared on a disk, copied within a bucket."""
 
 import errno
 import os
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from jobs.errors import JobGone
 
@@ -31,3 +33,11 @@ class StoredInput:
             if error.errno not in _NO_LINKS:
                 raise
             shutil.copyfile(self.path, target)
+
+
+@dataclass(frozen=True)
+class StoredObject:
+    """An object of a job's inputs, by its key in the bucket. It is never written again."""
+
+    key: str
+    open: Callable[[], BinaryIO]

@@ -68,6 +68,7 @@ class ProblemType(StrEnum):
     WORKER_LOST = "worker-lost"
     UNAVAILABLE = "unavailable"
     QUEUE_FULL = "queue-full"
+    STORE_UNAVAILABLE = "store-unavailable"
     STORAGE_FULL = "storage-full"
     INTERNAL = "internal"
 

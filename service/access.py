@@ -12,6 +12,7 @@ from jobs.erased import ErasedJobs
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.live_workers import LiveWorkers
+from jobs.open_store import open_store
 from jobs.owners import JobOwners
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
@@ -54,7 +55,7 @@ class JobAccess:
         workers = LiveWorkers(redis)
         return cls(
             settings=settings,
-            store=JobStore(settings.jobs_dir),
+            store=open_store(settings),
             records=JobRecords(redis),
             queue=JobQueue(settings, redis),
             workers=workers,

@@ -1,37 +1,38 @@
 """What this process knows without Redis: the room in the job store, and what it was built from."""
 
 import platform
-import shutil
 from collections.abc import Iterator
 from importlib.metadata import version
-from pathlib import Path
 
 from prometheus_client.core import GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
-from jobs.quarantine import Quarantine
+from jobs.store import JobStore
+from jobs.store_errors import StoreUnavailable
 
 
 class HostMetrics(Collector):
-    """The file system of the job store, left out where it cannot be asked, and the build."""
+    """The room in the job store, left out where it has no bound or cannot be asked; the build."""
 
-    def __init__(self, jobs_dir: Path) -> None:
-        self._jobs_dir = jobs_dir
+    def __init__(self, store: JobStore) -> None:
+        self._store = store
 
     def collect(self) -> Iterator[Metric]:
         up = GaugeMetricFamily("neuralmri_store_up", "Whether the job store can be asked.")
         try:
-            usage = shutil.disk_usage(self._jobs_dir)
-            quarantined = Quarantine(self._jobs_dir).count()
-        except OSError:
+            space = self._store.space()
+            quarantined = self._store.quarantined()
+        except (OSError, StoreUnavailable):
             up.add_metric([], 0.0)
+            space = None
         else:
             up.add_metric([], 1.0)
+        if space is not None:
             size = GaugeMetricFamily("neuralmri_store_size_bytes", "Of the store's file system.")
-            size.add_metric([], usage.total)
+            size.add_metric([], space.total_bytes)
             yield size
             free = GaugeMetricFamily("neuralmri_store_free_bytes", "Left for the service's user.")
-            free.add_metric([], usage.free)
+            free.add_metric([], space.free_bytes)
             yield free
             odd = GaugeMetricFamily("neuralmri_quarantined_folders", "What was no job.")
             odd.add_metric([], quarantined)
@@ -42,5 +43,5 @@ class HostMetrics(Collector):
         yield build
 
     def describe(self) -> Iterator[Metric]:
-        """Nothing: registering must not ask the disk."""
+        """Nothing: registering must not ask the store."""
         return iter(())

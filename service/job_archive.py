@@ -4,7 +4,6 @@ import re
 from collections.abc import Iterable, Iterator, Sequence
 from fnmatch import fnmatchcase
 
-from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.base import FOLDER_NAME_PATTERN
@@ -44,15 +43,9 @@ def archived(
     folder: JobFolder, manifest: Manifest, below: str, names: Sequence[str]
 ) -> Iterator[ZipMember]:
     """The job's artifacts as members. Raises JobGone where it is erased under our hands."""
-    sizes = {artifact.name: artifact.bytes for artifact in manifest.artifacts}
     for name in names:
-        path = folder.manifest_path() if name == MANIFEST_NAME else folder.artifact_path(name)
-        try:
-            file = path.open("rb")
-        except FileNotFoundError as error:
-            raise JobGone(f"job {folder.job_id} was erased") from error
-        size = sizes.get(name, path.stat().st_size)
-        yield ZipMember(f"{below}{name}", size, manifest.created_at, chunks_of(file))
+        file = folder.artifact(name)
+        yield ZipMember(f"{below}{name}", file.bytes, manifest.created_at, chunks_of(file.open()))
 
 
 def nothing_fits() -> InputError:

@@ -65,7 +65,7 @@ def metrics_route(registry: CollectorRegistry, access: JobAccess, desk: WebhookD
     """GET /metrics."""
     router = APIRouter(tags=["operation"])
     registry.register(JobMetrics(access))
-    registry.register(HostMetrics(access.store.root))
+    registry.register(HostMetrics(access.store))
     registry.register(ReadinessMetrics(access))
     registry.register(WebhookMetrics(desk.endpoints, desk.outbox, desk.attempts))
 

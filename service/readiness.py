@@ -21,8 +21,9 @@ def missing(access: JobAccess) -> list[ProblemPart]:
     except RedisError as error:
         detail = f"Redis does not answer ({type(error).__name__})"
         found.append(ProblemPart(pointer="redis", detail=detail))
-    if not access.store.is_writable():
-        found.append(ProblemPart(pointer="store", detail="the data folder takes no file"))
+    trouble = access.store.trouble()
+    if trouble is not None:
+        found.append(ProblemPart(pointer="store", detail=trouble))
     return found
 
 

@@ -50,7 +50,7 @@ class Reconciler(PeriodicThread):
             erased = self._retention.erase_expired()
             self._forgotten_batches.erase_empty()
         except (RedisError, InternalError) as error:
-            log.warning("not reconciled, Redis cannot be reached: %s", error)
+            log.warning("not reconciled: %s", error)
             return False
         except Exception:
             # Whatever it was, jobs that are lost later still need this thread.

@@ -11,6 +11,7 @@ import zipfile
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import datetime
+from typing import BinaryIO
 
 _CHUNK = 1 << 18
 
@@ -64,7 +65,7 @@ def zip_stream(members: Iterable[ZipMember]) -> Iterator[bytes]:
     yield sink.taken()
 
 
-def chunks_of(file: io.BufferedIOBase) -> Iterator[bytes]:
+def chunks_of(file: BinaryIO) -> Iterator[bytes]:
     """The content of an open file, which is closed at its end."""
     with file:
         while chunk := file.read(_CHUNK):

@@ -104,6 +104,12 @@ def test_service_loads_nothing_of_the_science(module: str) -> None:
     assert not loaded_by(f"import {module}") & set(SCIENCE)
 
 
+@pytest.mark.parametrize("module", ["service.app", "worker.task"])
+def test_who_keeps_jobs_on_a_disk_needs_no_client_of_buckets(module: str) -> None:
+    """jobs/open_store.py loads it where the settings name one, and after the worker's fork."""
+    assert not loaded_by(f"import {module}") & {"s3fs", "aiobotocore", "botocore"}
+
+
 def test_worker_loads_torch_in_no_process_that_forks() -> None:
     """Celery forks after importing the app; torch's threads do not survive a fork."""
     assert "torch" not in loaded_by("import worker.app")
@@ -152,7 +158,7 @@ def third_party_imports(package: str) -> set[str]:
     [
         ("schemas", None),
         ("intake", "queue"),
-        ("jobs", "queue"),
+        ("jobs", "s3"),
         ("service", "service"),
         ("worker", "worker"),
         ("cli", "cli"),

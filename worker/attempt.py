@@ -6,10 +6,11 @@ attempt, by a later one, or by the reconciler.
 """
 
 import logging
-import shutil
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
 
 from celery.exceptions import SoftTimeLimitExceeded
 from redis.exceptions import RedisError
@@ -21,6 +22,7 @@ from jobs.folder import JobFolder
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.store import JobStore
+from jobs.store_errors import StoreUnavailable
 from jobs.trace_context import TraceContext
 from schemas.artifacts import Manifest
 from schemas.job import JobState
@@ -31,10 +33,12 @@ from worker.failure import problem_of, timed_out, worker_lost
 from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
 from worker.observer import Cancelled, Observer
+from worker.patience import patiently
 from worker.settings import WorkerSettings
 from worker.stage_clock import StageClock
 
 _LOGGER = logging.getLogger(__name__)
+_Result = TypeVar("_Result")
 
 Produce = Callable[[JobFolder, Path, Observer], Manifest]
 """Computes a job into an empty folder. Raises ServiceError, Cancelled, or anything."""
@@ -74,9 +78,9 @@ def attempt(job_id: str, desk: Desk) -> None:
     ):
         observer = JobObserver(desk.records, lease, desk.is_shutting_down)
         clock = StageClock(SpannedObserver(observer, spans))
-        ending = _Ending(folder, desk.records, claim, lease, clock, spans)
+        ending = _Ending(folder, desk.records, claim, lease, clock, spans, observer, settings)
         try:
-            if folder.manifest() is not None:
+            if ending.patiently(folder.manifest) is not None:
                 # An earlier attempt, the last one too, published and died before it could say so.
                 ending.write(JobState.SUCCEEDED)
             elif claim.refusal is Refusal.EXHAUSTED:
@@ -85,6 +89,8 @@ def attempt(job_id: str, desk: Desk) -> None:
                 _work(folder, desk, observer, ending)
         except JobGone:
             _LOGGER.info("job %s was erased while it was worked on", job_id)
+        except StoreUnavailable as error:
+            _hand_back(desk, lease, f"the store does not answer: {error}")
 
 
 def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending") -> None:
@@ -102,30 +108,29 @@ def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending
         ending.failed(timed_out(job_id, desk.settings.soft_time_limit_s))
     except InputError as error:
         ending.failed(problem_of(error, job_id))
-    except JobGone:
+    except (JobGone, StoreUnavailable):
         raise
     except Exception as error:
         if not folder.exists():
             raise JobGone(f"job {job_id} was erased") from error
         _LOGGER.exception("job %s failed", job_id)
         # First, for where the disk is full its space is what saying so needs.
-        shutil.rmtree(staging, ignore_errors=True)
+        folder.drop_staging(staging)
         ending.failed(problem_of(error, job_id))
     finally:
-        # Gone already where it was published, or where the job was erased.
-        shutil.rmtree(staging, ignore_errors=True)
+        folder.drop_staging(staging)
 
 
 def _stopped(reason: StopReason | None, desk: Desk, lease: Lease, ending: "_Ending") -> None:
     if reason is StopReason.CANCELLED:
         ending.write(JobState.CANCELLED)
     elif reason is StopReason.SHUTDOWN:
-        _hand_back(desk, lease)
+        _hand_back(desk, lease, "this worker closes")
     else:
         _LOGGER.info("job %s is another attempt's now", lease.job_id)
 
 
-def _hand_back(desk: Desk, lease: Lease) -> None:
+def _hand_back(desk: Desk, lease: Lease, why: str) -> None:
     """Return the job to the queue. Where that fails, the reconciler does it once the lease ends."""
     trace = log_context.current().trace
     traceparent = trace.header() if trace else None
@@ -137,7 +142,7 @@ def _hand_back(desk: Desk, lease: Lease) -> None:
     except (RedisError, InternalError, StaleToken) as error:
         _LOGGER.warning("job %s was not handed back: %s", lease.job_id, error)
     else:
-        _LOGGER.info("job %s was handed back: this worker closes", lease.job_id)
+        _LOGGER.info("job %s was handed back: %s", lease.job_id, why)
 
 
 @dataclass(frozen=True)
@@ -150,12 +155,18 @@ class _Ending:
     lease: Lease
     clock: StageClock
     spans: AttemptSpans
+    observer: JobObserver
+    settings: WorkerSettings
+
+    def patiently(self, step: Callable[[], _Result]) -> _Result:
+        """Take a step in the store. Raises StoreUnavailable where waiting did not help."""
+        return patiently(step, self.observer.is_cancelled, self.settings.store_patience_s)
 
     def succeeded(self, staging: Path, manifest: Manifest, code_version: str | None) -> None:
         if not self.lease.confirm():
             return
         try:
-            self.folder.publish(staging, manifest)
+            self.patiently(partial(self.folder.publish, staging, manifest))
         except AlreadyPublished:
             _LOGGER.info("job %s: another attempt's results stand", self.folder.job_id)
             code_version = None
@@ -175,17 +186,16 @@ class _Ending:
         """
         if not self.lease.confirm():
             return
-        outcome = self.folder.write_outcome(
-            Outcome(
-                state=state,
-                started_at=self.claim.started_at,
-                finished_at=self.records.now(),
-                attempt=self.claim.attempt,
-                error=error,
-                stage_s=self.clock.stage_s(),
-                code_version=code_version,
-            )
+        outcome = Outcome(
+            state=state,
+            started_at=self.claim.started_at,
+            finished_at=self.records.now(),
+            attempt=self.claim.attempt,
+            error=error,
+            stage_s=self.clock.stage_s(),
+            code_version=code_version,
         )
+        outcome = self.patiently(partial(self.folder.write_outcome, outcome))
         self.spans.outcome = outcome
         try:
             self.records.finished(self.folder.job_id, self.lease.token, outcome)
@@ -193,7 +203,7 @@ class _Ending:
             # The folder says how the job ended; the reconciler tells Redis.
             _LOGGER.warning("job %s: its end was not recorded: %s", self.folder.job_id, trouble)
         _LOGGER.info("job %s ended: %s", self.folder.job_id, outcome.state)
-        self.folder.drop_checkpoints()
-        for leftover in self.folder.path.glob("staging-*"):
-            # Of attempts whose worker died; one that still runs finds its token stale.
-            shutil.rmtree(leftover, ignore_errors=True)
+        try:
+            self.folder.tidy()
+        except StoreUnavailable as trouble:
+            _LOGGER.warning("job %s leaves what is not its results: %s", self.lease.job_id, trouble)

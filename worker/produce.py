@@ -22,7 +22,7 @@ def produce(
     Raises as `read_job` and `run` do.
     """
     observer.advanced(Progress(stage=Stage.READING))
-    reading = read_job(folder, limits)
+    reading = read_job(folder, limits, out_dir)
     options, input_sha256 = reading.options, reading.input_sha256
     made_by = provenance(seed=options.seed, threads=threads, input_sha256=input_sha256)
     finished = run(

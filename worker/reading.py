@@ -33,21 +33,23 @@ class Reading:
     references: Mapping[str, SurfaceMesh] = field(default_factory=dict)
 
 
-def read_job(folder: JobFolder, limits: Limits) -> Reading:
-    """Read a job's request and inputs.
+def read_job(folder: JobFolder, limits: Limits, staging: Path) -> Reading:
+    """Read a job's request and inputs, for the attempt whose folder is `staging`.
 
     Raises JobGone, or InputError for label maps or references that cannot be used.
     """
     request = folder.request()
-    files = {surface: folder.input_path(name) for surface, name in request.references.items()}
-    return with_references(_read_study(folder, request, limits), files, limits)
+    files = {
+        surface: folder.local_input(name, staging) for surface, name in request.references.items()
+    }
+    return with_references(_read_study(folder, request, limits, staging), files, limits)
 
 
-def _read_study(folder: JobFolder, request: JobRequest, limits: Limits) -> Reading:
+def _read_study(folder: JobFolder, request: JobRequest, limits: Limits, staging: Path) -> Reading:
     if request.contours is not None:
         return read_contours(request.contours)
     if request.labels is not None:
-        files = {view: folder.input_path(name) for view, name in request.files.items()}
+        files = {view: folder.local_input(name, staging) for view, name in request.files.items()}
         return read_labels(files, request.labels, limits)
     raise ValueError(f"job {request.job_id} asks for nothing")
 

@@ -25,4 +25,9 @@ class WorkerSettings(LimitSettings, JobSettings):
         le=19,
         description="How far computing gives way to other processes on the same cores.",
     )
+    store_patience_s: float = Field(
+        default=300.0,
+        ge=0.0,
+        description="How long a finished attempt waits for a store that does not answer.",
+    )
     heartbeat_every_s: float = Field(default=5.0, gt=0.0, le=15.0)

@@ -5,10 +5,10 @@ from typing import Any
 
 from jobs import log_context
 from jobs.log_context import LogContext
+from jobs.open_store import open_store
 from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
-from jobs.store import JobStore
 from jobs.trace_context import TraceContext
 from schemas.messages import RECONSTRUCT_TASK, ReconstructMessage
 from worker import shutdown_flag, wear
@@ -34,7 +34,7 @@ def _desk() -> Desk:
 
     redis = make_redis(settings.redis_url, settings.redis_timeout_s)
     return Desk(
-        store=JobStore(settings.jobs_dir),
+        store=open_store(settings),
         records=JobRecords(redis),
         queue=JobQueue(settings, redis),
         settings=settings,

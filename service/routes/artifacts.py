@@ -1,13 +1,13 @@
 """The results of a job that succeeded. They are read from its folder: Redis is not asked."""
 
 import hashlib
-from pathlib import Path
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Response
 from starlette.responses import FileResponse
 
 from jobs.folder import JobFolder
+from jobs.stored_file import StoredFile
 from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.job import JobState
 from schemas.problem import InputError, InternalError, ProblemType
@@ -16,6 +16,7 @@ from service.access import Access, JobAccess, no_such_job
 from service.conditional import is_unmodified
 from service.documented import problems
 from service.problems import NotReadyError
+from service.stored_file_response import StoredFileResponse
 
 router = APIRouter(tags=["results"])
 
@@ -97,7 +98,7 @@ def published(access: JobAccess, folder: JobFolder) -> Manifest:
 
 def _file(access: JobAccess, job_id: str, name: str, if_none_match: str | None) -> Response:
     folder = access.folder(job_id)
-    path, media_type, sha256 = _found(folder, published(access, folder), name)
+    file, media_type, sha256 = _found(folder, published(access, folder), name)
     headers = {
         "ETag": f'"{sha256}"',
         # It may be kept by the caller, who asks each time whether it is still there.
@@ -108,28 +109,20 @@ def _file(access: JobAccess, job_id: str, name: str, if_none_match: str | None) 
     shown = media_type.startswith(("text/html", "application/json"))
     if shown:
         headers["Content-Security-Policy"] = _SANDBOX
-    try:
-        stat = path.stat()
-    except FileNotFoundError as error:
-        raise no_such_job() from error
-    return FileResponse(
-        path,
-        headers=headers,
-        media_type=media_type,
-        filename=name,
-        stat_result=stat,
-        content_disposition_type="inline" if shown else "attachment",
+    return StoredFileResponse(
+        file, filename=name, media_type=media_type, headers=headers, is_shown=shown
     )
 
 
-def _found(folder: JobFolder, manifest: Manifest, name: str) -> tuple[Path, str, str]:
-    """Path, media type and sha256 of an artifact. Raises InputError (not found, 404)."""
+def _found(folder: JobFolder, manifest: Manifest, name: str) -> tuple[StoredFile, str, str]:
+    """An artifact, its media type and sha256. Raises JobGone or InputError (not found, 404)."""
     if name == MANIFEST_NAME:  # it cannot list itself
-        path = folder.manifest_path()
-        return path, "application/json", hashlib.sha256(path.read_bytes()).hexdigest()
+        file = folder.artifact(name)
+        with file.open() as opened:
+            return file, "application/json", hashlib.sha256(opened.read()).hexdigest()
     for artifact in manifest.artifacts:
         if artifact.name == name:
-            return folder.artifact_path(name), artifact.media_type, artifact.sha256
+            return folder.artifact(name), artifact.media_type, artifact.sha256
     raise InputError(
         ProblemType.NOT_FOUND,
         "the job has no artifact of this name. Remedy: list them at its `artifacts`.",

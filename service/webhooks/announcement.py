@@ -1,7 +1,7 @@
 """From job folders to messages: each end of a job becomes one message an endpoint that wants it.
 
 The outcome in the folder is the event, whoever wrote it: a worker, the reconciler, or a
-cancellation. A file `announced` in the folder says that its messages are in the outbox. A crash
+cancellation. A mark in the folder says that its messages are in the outbox. A crash
 before it is there repeats the step, which finds the same messages under the same ids.
 """
 
@@ -9,7 +9,6 @@ import logging
 from collections.abc import Callable
 from datetime import UTC, datetime
 
-from jobs.durable import sync_folder, write_durably
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.store import JobStore
@@ -19,8 +18,6 @@ from service.webhooks.endpoint import Endpoint
 from service.webhooks.endpoints import Endpoints
 from service.webhooks.message import Message
 from service.webhooks.outbox import Outbox
-
-MARK = "announced"
 
 _LOGGER = logging.getLogger("neuralmri.webhooks")
 
@@ -68,7 +65,7 @@ class Announcer:
             self._settled.add(folder.job_id)
 
     def _unannounced(self, folder: JobFolder) -> Outcome | None:
-        if (folder.path / MARK).exists():
+        if folder.is_announced():
             self._settled.add(folder.job_id)
             return None
         try:
@@ -94,9 +91,6 @@ class Announcer:
                 message = Message.of_job(endpoint.id, folder.job_id, outcome, now, traceparent)
                 self._outbox.add(endpoint.id, message)
         try:
-            write_durably(folder.path / MARK, b"")
-            sync_folder(folder.path)
-        except FileExistsError:
-            return  # another process has done the same
-        except FileNotFoundError:
+            folder.mark_announced()
+        except JobGone:
             _LOGGER.info("job %s was erased while its end was announced", folder.job_id)

@@ -11,6 +11,7 @@ from redis.exceptions import RedisError
 
 from jobs.periodic_thread import PeriodicThread
 from jobs.redis_client import make_redis
+from jobs.store_errors import StoreUnavailable
 from service.access import JobAccess
 from service.webhooks.announcement import Announcer
 from service.webhooks.delivering import Postman
@@ -80,8 +81,8 @@ class Dispatcher(PeriodicThread):
             if not await asyncio.to_thread(self._lock.hold):
                 return
             due = await asyncio.to_thread(self._look)
-        except RedisError as error:
-            log.warning("no webhook is sent, Redis cannot be reached: %s", error)
+        except (RedisError, StoreUnavailable) as error:
+            log.warning("no webhook is sent: %s", error)
             return
         except Exception:
             # Whatever it was, the next round may go better, and messages wait on disk.

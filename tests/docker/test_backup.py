@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
+from jobs.disk_store import DiskStore
 from jobs.queue import JobQueue
 from jobs.reconcile import reconcile
 from jobs.records import JobRecords
 from jobs.settings import JobSettings
-from jobs.store import JobStore
 from schemas.job import JobKind, JobState
 from schemas.messages import JobRequest
 from tests.redis_server import RedisServer
@@ -28,7 +28,7 @@ def settings(redis_server: RedisServer, tmp_path: Path) -> JobSettings:
 
 def test_a_restored_backup_brings_the_jobs_back_and_nothing_half_made(
     settings: JobSettings,
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -58,7 +58,7 @@ def test_a_restored_backup_brings_the_jobs_back_and_nothing_half_made(
     )
 
     redis.flushall()
-    store = JobStore(restored / "jobs")
+    store = DiskStore(restored / "jobs")
     assert [path.name for path in store.root.iterdir()] == [request.job_id]
     assert not list(store.root.glob("*/staging-*"))
     assert store.folder(request.job_id).request() == request

@@ -95,7 +95,7 @@ def test_extras_exist_and_versions_are_constrained(dockerfile: Path) -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     text = "\n".join(instructions(dockerfile))
     extras = re.findall(r'"\.\[(\w+)\]"', text)
-    assert extras == [dockerfile.stem, "otel"]
+    assert extras == [dockerfile.stem, "s3", "otel"]
     assert set(extras) <= set(project["optional-dependencies"])
     installs = [run for run in instructions(dockerfile) if re.match(r"RUN (pip|if .*\bpip) ", run)]
     assert len(installs) >= 3

@@ -1,16 +1,21 @@
 """Watching a job over HTTP."""
 
 import time
-from typing import Any
+from typing import Any, Protocol
 
 import httpx
-
-from tests.end_to_end.serve_process import ServeProcess
 
 Job = dict[str, Any]
 
 
-def follow(server: ServeProcess, job_id: str, *states: str, within_s: float = 120.0) -> Job:
+class Server(Protocol):
+    """Whatever answers under an address."""
+
+    @property
+    def url(self) -> str: ...
+
+
+def follow(server: Server, job_id: str, *states: str, within_s: float = 120.0) -> Job:
     """Poll until the job is in one of `states`; it must not end in another."""
     deadline = time.monotonic() + within_s
     while True:
@@ -22,7 +27,7 @@ def follow(server: ServeProcess, job_id: str, *states: str, within_s: float = 12
         time.sleep(0.05)
 
 
-def follow_until_fitting(server: ServeProcess, job_id: str) -> Job:
+def follow_until_fitting(server: Server, job_id: str) -> Job:
     """Poll until the job is in the middle of its work."""
     while True:
         job = follow(server, job_id, "running")

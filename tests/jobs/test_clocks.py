@@ -15,13 +15,13 @@ from jobs import records as records_module
 from jobs.admission import Admission, Verdict
 from jobs.batch_turn import give_batch_turn
 from jobs.claim import Refusal
+from jobs.disk_store import DiskStore
 from jobs.live_workers import LiveWorkers
 from jobs.queue import JobQueue
 from jobs.reconcile import reconcile
 from jobs.records import JobRecords
 from jobs.redis_clock import now_us
-from jobs.runtimes import mean_runtime_s
-from jobs.store import JobStore
+from jobs.runtimes import seconds_per_work
 from jobs.submission import submit
 from schemas.job import Job, JobState, Priority, Stage
 from schemas.messages import JobRequest, Outcome
@@ -62,7 +62,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 
 @pytest.fixture
-def job(store: JobStore, records: JobRecords, queue: JobQueue, request_: JobRequest) -> Job:
+def job(store: DiskStore, records: JobRecords, queue: JobQueue, request_: JobRequest) -> Job:
     return submit(store, records, queue, request_, {})
 
 
@@ -94,7 +94,7 @@ def test_a_waiting_job_can_be_claimed(
 
 @either
 def test_a_lost_message_is_sent_again(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -112,7 +112,7 @@ def test_a_lost_message_is_sent_again(
 
 @back
 def test_a_worker_that_lives_keeps_its_job_when_the_clock_goes_back(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -132,7 +132,7 @@ def test_a_worker_that_lives_keeps_its_job_when_the_clock_goes_back(
 
 @either
 def test_a_worker_that_dies_about_a_jump_is_missed_soon(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -151,7 +151,7 @@ def test_a_worker_that_dies_about_a_jump_is_missed_soon(
 
 @pytest.mark.parametrize("by_s", [HOUR_S, DAY_S])
 def test_a_clock_that_goes_on_costs_a_running_job_one_attempt_at_most(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -172,7 +172,7 @@ def test_a_clock_that_goes_on_costs_a_running_job_one_attempt_at_most(
 
 @pytest.mark.parametrize("by_s", [HOUR_S, DAY_S])
 def test_who_renews_before_anybody_looks_keeps_its_job(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -188,7 +188,7 @@ def test_who_renews_before_anybody_looks_keeps_its_job(
 
 @back
 def test_a_fence_of_before_the_jump_is_stale_even_where_redis_forgot_it(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -208,7 +208,7 @@ def test_a_fence_of_before_the_jump_is_stale_even_where_redis_forgot_it(
 
 @either
 def test_cancelling_ends_soon(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -264,7 +264,7 @@ def test_estimates_are_of_what_workers_measured(
     token = taken(records, redis, job)
     clock.jump(by_s)
     records.finished(job.id, token, ended(fitting=20.0, meshing=5.0))
-    assert mean_runtime_s(redis) == 25.0
+    assert seconds_per_work(redis) == 25.0
 
 
 @back
@@ -274,11 +274,11 @@ def test_a_clock_that_went_back_has_measured_nothing(
     token = taken(records, redis, job)
     clock.jump(by_s)
     records.finished(job.id, token, ended())
-    assert mean_runtime_s(redis) is None
+    assert seconds_per_work(redis) is None
 
 
 def test_ids_grow_whatever_the_clock_of_their_host_does(
-    store: JobStore, monkeypatch: pytest.MonkeyPatch
+    store: DiskStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now_ns = time.time_ns()
     ids = []
@@ -291,7 +291,7 @@ def test_ids_grow_whatever_the_clock_of_their_host_does(
 def test_jobs_of_a_host_with_another_clock_are_listed_once_each(
     records: JobRecords,
     monkeypatch: pytest.MonkeyPatch,
-    store: JobStore,
+    store: DiskStore,
     make_request: Callable[[], JobRequest],
 ) -> None:
     """A host that started over after its clock went back makes ids that sort before older ones."""
@@ -300,7 +300,7 @@ def test_jobs_of_a_host_with_another_clock_are_listed_once_each(
         now_ns = time.time_ns() + int(ahead_s * 1e9)
         with monkeypatch.context() as patch:
             patch.setattr(time, "time_ns", lambda now_ns=now_ns: now_ns)
-            request = make_request().model_copy(update={"job_id": JobStore(store.root).new_id()})
+            request = make_request().model_copy(update={"job_id": DiskStore(store.root).new_id()})
         records.accepted(request)
         known.append(request.job_id)
     seen, cursor = [], None
@@ -314,7 +314,7 @@ def test_jobs_of_a_host_with_another_clock_are_listed_once_each(
 
 
 def test_a_batch_job_has_its_turn_whatever_the_clock_of_its_host_said(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -330,7 +330,7 @@ def test_a_batch_job_has_its_turn_whatever_the_clock_of_its_host_said(
 
 @pytest.mark.parametrize("since_s", [HOUR_S, DAY_S])
 def test_a_batch_job_has_its_turn_when_the_clock_of_redis_goes_back(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,

@@ -1,12 +1,8 @@
+"""What holds of a job's folder wherever it is kept."""
+
 import hashlib
-import os
-import resource
-import subprocess
-import sys
-import textwrap
-import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -15,10 +11,31 @@ import pytest
 from jobs.errors import AlreadyPublished, JobGone
 from jobs.folder import JobFolder
 from jobs.store import JobStore
-from schemas.artifacts import Artifact, Manifest
+from jobs.stored_file import StoredFile
+from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
 from schemas.job import JobState
 from schemas.messages import JobRequest, Outcome
 from schemas.vocabulary import Axes
+from tests.stores import remains
+
+
+@pytest.fixture
+def store(any_store: JobStore) -> JobStore:
+    return any_store
+
+
+def read(file: StoredFile) -> bytes:
+    with file.open() as opened:
+        return opened.read()
+
+
+def given(folder: JobFolder, name: str) -> bytes:
+    """An input as a worker reads it."""
+    staging = folder.staging(1)
+    try:
+        return folder.local_input(name, staging).read_bytes()
+    finally:
+        folder.drop_staging(staging)
 
 
 def outcome(state: JobState, attempt: int = 1) -> Outcome:
@@ -62,8 +79,8 @@ def test_what_is_created_is_read_back(
     folder.create(request_, {"sax.nii.gz": upload, "lax_4ch.nii": b"from memory"})
     assert folder.exists()
     assert folder.request() == request_
-    assert folder.input_path("sax.nii.gz").read_bytes() == b"from a file"
-    assert folder.input_path("lax_4ch.nii").read_bytes() == b"from memory"
+    assert given(folder, "sax.nii.gz") == b"from a file"
+    assert given(folder, "lax_4ch.nii") == b"from memory"
     assert store.ids() == [request_.job_id]
 
 
@@ -72,7 +89,7 @@ def test_a_job_is_created_once(folder: JobFolder) -> None:
     with pytest.raises(FileExistsError):
         folder.create(request, {"sax.nii": b"another"})
     with pytest.raises(JobGone):
-        folder.input_path("sax.nii")
+        folder.stored_input("sax.nii")
 
 
 @pytest.mark.parametrize("name", ["../escape", "a/b", "", ".hidden", "a\0b", "..", "a" * 161])
@@ -88,7 +105,7 @@ def test_only_plain_names_touch_the_disk(
         store.folder(new.job_id).create(new, {name: b""})
     assert not store.folder(new.job_id).exists()
     with pytest.raises(ValueError, match="plain file name"):
-        folder.input_path(name)
+        folder.stored_input(name)
 
 
 @pytest.mark.parametrize(
@@ -104,47 +121,6 @@ def test_ids_sort_by_the_time_they_were_made(store: JobStore) -> None:
     assert sorted(set(ids)) == ids
 
 
-@pytest.mark.parametrize("die_in", ["copyfile", "fsync", "rename"])
-def test_a_crash_while_creating_leaves_no_half_job(
-    tmp_path: Path, die_in: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The process is killed inside create; the store then shows no job, and sweeps the rest."""
-    program = textwrap.dedent(
-        f"""
-        import os, shutil, signal, pathlib
-        from datetime import UTC, datetime
-        from jobs.store import JobStore
-        from schemas.messages import JobRequest
-
-        def die(*args, **kwargs):
-            os.kill(os.getpid(), signal.SIGKILL)
-
-        root = pathlib.Path({str(tmp_path)!r})
-        (root / "upload").write_bytes(b"x")
-        store = JobStore(root / "jobs")
-        request = JobRequest(job_id=store.new_id(), kind="contours", created_at=datetime.now(UTC))
-        {{"copyfile": lambda: setattr(shutil, "copyfile", die),
-          "fsync": lambda: setattr(os, "fsync", die),
-          "rename": lambda: setattr(pathlib.Path, "rename", die)}}[{die_in!r}]()
-        store.folder(request.job_id).create(request, {{"sax.nii": root / "upload"}})
-        """
-    )
-    ended = subprocess.run([sys.executable, "-c", program], check=False, capture_output=True)
-    assert ended.returncode == -9, ended.stderr
-    store = JobStore(tmp_path / "jobs")
-    left = list(store.root.iterdir())
-    assert len(left) == 1
-    assert store.ids() == []
-    store.sweep()
-    os.utime(left[0], (0, 0))  # as its age looks after a jump of the clock
-    store.sweep()
-    assert list(store.root.iterdir()) == left, "it may still be being written"
-    now_s = time.monotonic()
-    monkeypatch.setattr(time, "monotonic", lambda: now_s + 3601.0)
-    store.sweep()
-    assert list(store.root.iterdir()) == []
-
-
 def test_the_first_publisher_wins(folder: JobFolder) -> None:
     first, second = folder.staging(1), folder.staging(2)
     fill(second, b"the slow one")
@@ -152,7 +128,7 @@ def test_the_first_publisher_wins(folder: JobFolder) -> None:
     folder.publish(first, fill(first, b"the fast one"))
     with pytest.raises(AlreadyPublished):
         folder.publish(second, fill(second, b"the slow one"))
-    assert folder.artifact_path("ED_lv_endo.stl").read_bytes() == b"the fast one"
+    assert read(folder.artifact("ED_lv_endo.stl")) == b"the fast one"
 
 
 def test_staging_is_private_to_an_attempt(folder: JobFolder) -> None:
@@ -173,13 +149,13 @@ def test_a_manifest_must_tell_the_truth(folder: JobFolder) -> None:
 
 def test_only_what_the_manifest_names_is_an_artifact(folder: JobFolder) -> None:
     with pytest.raises(KeyError):
-        folder.artifact_path("ED_lv_endo.stl")
+        folder.artifact("ED_lv_endo.stl")
     staging = folder.staging(1)
     (staging / "scratch.bin").write_bytes(b"")
     folder.publish(staging, fill(staging))
-    for name in ("scratch.bin", "../request.json", "manifest.json", ""):
+    for name in ("scratch.bin", "../request.json", ""):
         with pytest.raises(KeyError):
-            folder.artifact_path(name)
+            folder.artifact(name)
 
 
 def test_the_first_outcome_stands(folder: JobFolder) -> None:
@@ -188,14 +164,13 @@ def test_the_first_outcome_stands(folder: JobFolder) -> None:
     assert folder.write_outcome(first) == first
     assert folder.write_outcome(outcome(JobState.CANCELLED)) == first
     assert folder.outcome() == first
-    assert {p.name for p in folder.path.iterdir()} == {"request.json", "inputs", "outcome.json"}
 
 
 def test_erasing_twice_is_erasing_once(store: JobStore, folder: JobFolder) -> None:
     folder.erase()
     folder.erase()
     assert not folder.exists()
-    assert list(store.root.iterdir()) == []
+    assert remains(store) == []
 
 
 def test_a_running_worker_cannot_resurrect_an_erased_job(folder: JobFolder) -> None:
@@ -212,45 +187,130 @@ def test_a_running_worker_cannot_resurrect_an_erased_job(folder: JobFolder) -> N
         folder.request()
     assert folder.outcome() is None
     assert folder.manifest() is None
-    assert not folder.path.exists()
+    assert not folder.exists()
 
 
-def test_an_erasure_cut_short_is_finished_by_the_sweep(store: JobStore, folder: JobFolder) -> None:
-    folder.path.rename(store.root / f".erased-{folder.job_id}-0")
+def test_an_open_file_is_an_input_from_its_start(
+    store: JobStore, request_: JobRequest, tmp_path: Path
+) -> None:
+    (tmp_path / "upload").write_bytes(b"voxels")
+    with (tmp_path / "upload").open("rb") as upload:
+        upload.read(3)
+        folder = store.folder(request_.job_id)
+        folder.create(request_, {"sax.nii": upload})
+    assert given(folder, "sax.nii") == b"voxels"
+
+
+def test_an_input_outlives_the_job_that_had_it_first(
+    store: JobStore, request_: JobRequest, make_request: Callable[[], JobRequest]
+) -> None:
+    first, second = store.folder(request_.job_id), make_request()
+    first.create(request_, {"sax.nii": b"voxels"})
+    stored = first.stored_input("sax.nii")
+    store.folder(second.job_id).create(second, {"sax.nii": stored})
+    first.erase()
+    assert given(store.folder(second.job_id), "sax.nii") == b"voxels"
+
+    third = make_request()
+    with pytest.raises(JobGone):
+        store.folder(third.job_id).create(third, {"sax.nii": stored})
+    assert store.ids() == [second.job_id]
+
+
+def test_a_published_file_can_be_read_from_anywhere(folder: JobFolder) -> None:
+    content = bytes(range(256)) * 5000
+    staging = folder.staging(1)
+    folder.publish(staging, fill(staging, content))
+    file = folder.artifact("ED_lv_endo.stl")
+    assert file.bytes == len(content)
+    assert abs(file.modified_at_s - datetime.now(UTC).timestamp()) < 60.0
+    with file.open() as opened:
+        for start, length in ((0, 10), (1_100_000, 5000), (3, 1), (len(content) - 2, 10)):
+            opened.seek(start)
+            assert opened.read(length) == content[start : start + length]
+        assert opened.read(1) == b""
+
+
+def test_the_manifest_is_served_beside_what_it_lists(folder: JobFolder) -> None:
+    with pytest.raises((KeyError, JobGone)):
+        folder.artifact(MANIFEST_NAME)
+    staging = folder.staging(1)
+    manifest = fill(staging)
+    folder.publish(staging, manifest)
+    file = folder.artifact(MANIFEST_NAME)
+    content = read(file)
+    assert (Manifest.model_validate_json(content), file.bytes) == (manifest, len(content))
+
+
+def test_an_empty_file_may_be_a_result(folder: JobFolder) -> None:
+    staging = folder.staging(1)
+    folder.publish(staging, fill(staging, b""))
+    assert read(folder.artifact("ED_lv_endo.stl")) == b""
+
+
+def test_of_many_publishers_at_once_one_wins(store: JobStore, folder: JobFolder) -> None:
+    def publish(number: int) -> bool:
+        own = store.folder(folder.job_id)
+        staging = own.staging(number)
+        try:
+            own.publish(staging, fill(staging, b"%d" % number))
+        except AlreadyPublished:
+            return False
+        finally:
+            own.drop_staging(staging)
+        return True
+
+    with ThreadPoolExecutor(8) as threads:
+        won = list(threads.map(publish, range(8)))
+    assert won.count(True) == 1
+    assert read(folder.artifact("ED_lv_endo.stl")) == b"%d" % won.index(True)
+    folder.tidy()
+    listed = [name for name in remains(store) if name.endswith("ED_lv_endo.stl")]
+    assert len(listed) == 1, "what the others brought is gone"
+
+
+def test_of_many_outcomes_at_once_one_stands_and_everybody_learns_it(
+    store: JobStore, folder: JobFolder
+) -> None:
+    def write(attempt: int) -> Outcome:
+        said = outcome(JobState.SUCCEEDED if attempt % 2 else JobState.FAILED, attempt)
+        return store.folder(folder.job_id).write_outcome(said)
+
+    with ThreadPoolExecutor(20) as threads:
+        told = list(threads.map(write, range(20)))
+    assert told == [folder.outcome()] * 20
+
+
+def test_a_mark_is_made_once_or_twice_and_never_on_an_erased_job(folder: JobFolder) -> None:
+    assert not folder.is_announced()
+    folder.mark_announced()
+    folder.mark_announced()
+    assert folder.is_announced()
+    folder.erase()
+    assert not folder.is_announced()
+    with pytest.raises(JobGone):
+        folder.mark_announced()
+
+
+def test_what_attempts_left_is_tidied_and_results_stay(folder: JobFolder, store: JobStore) -> None:
+    staging = folder.staging(1)
+    folder.publish(staging, fill(staging))
+    before = remains(store)
+    (folder.staging(2) / "half.stl").write_bytes(b"half")
+    folder.tidy()
+    assert remains(store) == before
+
+
+def test_a_store_takes_files_and_says_so(store: JobStore) -> None:
+    store.prove()
+    assert store.trouble() is None
+    store.space()
+    assert remains(store) == []
+
+
+def test_a_sweep_leaves_jobs_alone(store: JobStore, folder: JobFolder) -> None:
+    staging = folder.staging(1)
+    folder.publish(staging, fill(staging))
+    before = remains(store)
     store.sweep()
-    assert list(store.root.iterdir()) == []
-
-
-@contextmanager
-def no_room() -> Iterator[None]:
-    """Files can be made, but nothing written into them, as on a full disk.
-
-    For a moment only: the limit is the whole process's, the test runner's own output included.
-    """
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (0, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
-def test_a_full_disk_leaves_no_half_outcome(folder: JobFolder) -> None:
-    before = sorted(folder.path.iterdir())
-    with no_room(), pytest.raises(OSError, match="too large"):
-        folder.write_outcome(outcome(JobState.SUCCEEDED))
-    assert sorted(folder.path.iterdir()) == before
-    assert folder.outcome() is None
-
-
-def test_a_full_disk_is_noticed_and_not_filled_with_probes(store: JobStore) -> None:
-    with no_room():
-        is_writable = store.is_writable()
-    assert not is_writable
-    assert list(store.root.iterdir()) == []
-
-
-def test_a_full_disk_leaves_no_half_job(store: JobStore, request_: JobRequest) -> None:
-    with no_room(), pytest.raises(OSError, match="too large"):
-        store.folder(request_.job_id).create(request_, {"sax.nii": b"voxels"})
-    assert list(store.root.iterdir()) == []
+    assert remains(store) == before

@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 from redis import Redis
 
-from jobs.folder import JobFolder
+from jobs.disk_folder import DiskFolder
+from jobs.disk_store import DiskStore
 from jobs.quarantine import Quarantine
 from jobs.queue import JobQueue
 from jobs.reconcile import Reconciled, reconcile
 from jobs.records import JobRecords
 from jobs.soundness import fault_of
-from jobs.store import JobStore
 from jobs.submission import submit
 from schemas.job import Job, JobState
 from schemas.messages import JobRequest, Outcome
@@ -87,13 +87,13 @@ DAMAGES: list[Spoil] = [
 
 
 @pytest.fixture
-def quarantine(store: JobStore) -> Quarantine:
+def quarantine(store: DiskStore) -> Quarantine:
     return Quarantine(store.root)
 
 
 @pytest.fixture
 def make_job(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     make_request: Callable[[], JobRequest],
@@ -111,7 +111,7 @@ def content(folder: Path) -> dict[str, bytes]:
 
 @pytest.mark.parametrize("spoil", DAMAGES)
 def test_a_bad_folder_costs_the_good_ones_nothing_and_is_kept_whole(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -147,7 +147,7 @@ def test_a_bad_folder_costs_the_good_ones_nothing_and_is_kept_whole(
 
 
 def test_a_known_job_whose_request_vanished_is_known_no_more(
-    store: JobStore, records: JobRecords, queue: JobQueue, make_job: Callable[[], Job]
+    store: DiskStore, records: JobRecords, queue: JobQueue, make_job: Callable[[], Job]
 ) -> None:
     job = make_job()
     without_request(store.root / job.id)
@@ -157,7 +157,7 @@ def test_a_known_job_whose_request_vanished_is_known_no_more(
 
 
 def test_folders_of_other_names_are_put_aside_and_what_is_not_ours_stays(
-    store: JobStore, records: JobRecords, queue: JobQueue, quarantine: Quarantine
+    store: DiskStore, records: JobRecords, queue: JobQueue, quarantine: Quarantine
 ) -> None:
     for name in ("019c-copy", "results", "x" * 250, "lost+found", ".snapshot"):
         (store.root / name).mkdir()
@@ -174,7 +174,7 @@ def test_folders_of_other_names_are_put_aside_and_what_is_not_ours_stays(
 
 
 def test_a_mended_folder_that_is_put_back_is_a_job_again(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -196,7 +196,7 @@ def test_a_mended_folder_that_is_put_back_is_a_job_again(
 
 
 def test_a_job_of_a_newer_release_is_left_where_it_is(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -216,7 +216,7 @@ def test_a_job_of_a_newer_release_is_left_where_it_is(
 
 
 def test_a_disk_that_fails_for_one_job_is_no_damage(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     redis: Redis,
@@ -243,7 +243,7 @@ def test_a_disk_that_fails_for_one_job_is_no_damage(
     assert records.wholeness.is_certain()
 
 
-def test_sound_jobs_in_every_state_are_sound(store: JobStore, make_job: Callable[[], Job]) -> None:
+def test_sound_jobs_in_every_state_are_sound(store: DiskStore, make_job: Callable[[], Job]) -> None:
     folder = store.folder(make_job().id)
     assert fault_of(folder) is None
     folder.staging(7)
@@ -257,7 +257,7 @@ def test_sound_jobs_in_every_state_are_sound(store: JobStore, make_job: Callable
     assert fault_of(folder) is None, "one that is gone has no fault"
 
 
-def test_two_that_find_the_same_take_it_once(store: JobStore, quarantine: Quarantine) -> None:
+def test_two_that_find_the_same_take_it_once(store: DiskStore, quarantine: Quarantine) -> None:
     with ThreadPoolExecutor(2) as finders:
         for count in range(20):
             found = store.root / f"stranger-{count}"
@@ -268,7 +268,7 @@ def test_two_that_find_the_same_take_it_once(store: JobStore, quarantine: Quaran
 
 
 def test_what_cannot_be_moved_stays_and_blocks_nothing(
-    store: JobStore,
+    store: DiskStore,
     records: JobRecords,
     queue: JobQueue,
     quarantine: Quarantine,
@@ -295,7 +295,7 @@ def test_what_cannot_be_moved_stays_and_blocks_nothing(
     assert (store.root / "stranger").is_dir()
 
 
-def test_nobody_else_may_look_into_it(store: JobStore, quarantine: Quarantine) -> None:
+def test_nobody_else_may_look_into_it(store: DiskStore, quarantine: Quarantine) -> None:
     (store.root / "stranger").mkdir()
     place = quarantine.take(store.root / "stranger", "why")
     assert place is not None
@@ -304,9 +304,9 @@ def test_nobody_else_may_look_into_it(store: JobStore, quarantine: Quarantine) -
 
 
 def test_a_job_erased_while_it_is_judged_is_not_taken(
-    store: JobStore, quarantine: Quarantine, make_job: Callable[[], Job]
+    store: DiskStore, quarantine: Quarantine, make_job: Callable[[], Job]
 ) -> None:
-    folder: JobFolder = store.folder(make_job().id)
+    folder: DiskFolder = store.folder(make_job().id)
     folder.erase()
     assert quarantine.take(folder.path, "why") is None
     assert quarantine.count() == 0

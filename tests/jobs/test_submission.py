@@ -14,6 +14,12 @@ from schemas.job import JobState
 from schemas.messages import JobRequest, ReconstructMessage
 from schemas.problem import InternalError, ProblemType
 from tests.redis_server import RedisServer
+from tests.stores import remains
+
+
+@pytest.fixture
+def store(any_store: JobStore) -> JobStore:
+    return any_store
 
 
 def test_folder_record_and_message(
@@ -53,7 +59,7 @@ def test_what_cannot_be_queued_is_not_accepted(
         with pytest.raises(InternalError) as raised:
             submit(store, records, queue, request_, {})
     assert (raised.value.type, raised.value.status) == (ProblemType.UNAVAILABLE, 503)
-    assert list(store.root.iterdir()) == []
+    assert remains(store) == []
 
 
 def test_a_store_that_fails_accepts_nothing(
@@ -61,7 +67,7 @@ def test_a_store_that_fails_accepts_nothing(
 ) -> None:
     with pytest.raises(FileNotFoundError):
         submit(store, records, queue, request_, {"sax.nii": tmp_path / "not there"})
-    assert list(store.root.iterdir()) == []
+    assert remains(store) == []
     assert records.get(request_.job_id) is None
     assert queue.waiting() == set()
 

@@ -14,6 +14,7 @@ import uvicorn
 from redis import Redis
 
 from jobs.live_workers import LiveWorkers
+from jobs.open_store import open_store
 from jobs.records import JobRecords
 from jobs.redis_client import make_redis
 from jobs.store import JobStore
@@ -23,6 +24,8 @@ from service.keys import keyring
 from service.keys.key_file import KeyFile
 from service.settings import ServiceSettings
 from tests.redis_server import RedisServer, free_port
+from tests.s3_server import BUCKET, S3Server
+from tests.stores import empty_bucket
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ def serving(settings: ServiceSettings) -> Iterator[Api]:
             yield Api(
                 client,
                 settings,
-                JobStore(settings.jobs_dir),
+                open_store(settings),
                 JobRecords(redis),
                 LiveWorkers(redis),
                 redis,
@@ -107,6 +110,34 @@ def api(shared_api: Api, redis_server: RedisServer) -> Api:
     shutil.rmtree(shared_api.settings.jobs_dir)
     shared_api.settings.jobs_dir.mkdir()
     return shared_api
+
+
+@pytest.fixture(scope="session")
+def shared_bucket_api(
+    s3_server: S3Server, redis_server: RedisServer, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Api]:
+    settings = _settings(redis_server, tmp_path_factory.mktemp("bucket-service"))
+    # Its first round of the reconciler finds a bucket.
+    empty_bucket(s3_server.url)
+    with serving(settings.model_copy(update={"store_url": f"s3://{BUCKET}"})) as api:
+        yield api
+
+
+@pytest.fixture
+def bucket_api(shared_bucket_api: Api, s3_server: S3Server, redis_server: RedisServer) -> Api:
+    """A service without jobs, over a bucket."""
+    with make_redis(redis_server.url) as redis:
+        redis.flushall()
+    empty_bucket(s3_server.url)
+    return shared_bucket_api
+
+
+@pytest.fixture(params=["disk", "bucket"])
+def any_api(request: pytest.FixtureRequest) -> Api:
+    """A service over each kind of store."""
+    wanted = {"disk": "api", "bucket": "bucket_api"}[request.param]
+    api: Api = request.getfixturevalue(wanted)
+    return api
 
 
 @pytest.fixture

@@ -10,6 +10,11 @@ from tests.service.test_jobs import problem_of, submitted
 
 
 @pytest.fixture
+def api(any_api: Api) -> Api:
+    return any_api
+
+
+@pytest.fixture
 def job_id(api: Api) -> str:
     job_id = submitted(api)
     finish(api.store, api.records, job_id, JobState.SUCCEEDED)
@@ -57,6 +62,19 @@ def test_ranges(api: Api, job_id: str, asked: str, first: int, last: int) -> Non
     assert answer.status_code == 206
     assert answer.content == MESH[first : last + 1]
     assert answer.headers["content-range"] == f"bytes {first}-{last}/{len(MESH)}"
+
+
+def test_several_ranges_are_one_answer(api: Api, job_id: str) -> None:
+    answer = api.client.get(
+        f"/v1/jobs/{job_id}/artifacts/ED_lv_endo.stl", headers={"Range": "bytes=0-9,5000-5009"}
+    )
+    assert answer.status_code == 206
+    assert answer.headers["content-type"].startswith("multipart/byteranges")
+    assert len(answer.content) == int(answer.headers["content-length"])
+    for start in (0, 5000):
+        said = f"content-range: bytes {start}-{start + 9}/{len(MESH)}\r\n\r\n".encode()
+        _, _, after = answer.content.lower().partition(said)
+        assert after[:10] == MESH[start : start + 10].lower()
 
 
 def test_a_range_past_the_end(api: Api, job_id: str) -> None:

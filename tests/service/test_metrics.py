@@ -7,7 +7,6 @@ from pathlib import Path
 
 from prometheus_client.parser import text_string_to_metric_families
 
-from jobs.setting_aside import set_aside
 from schemas.job import JobState
 from tests.service.conftest import Api
 from tests.service.jobs_done import finish
@@ -107,5 +106,5 @@ def test_readiness_is_said_part_by_part(api: Api) -> None:
 def test_what_was_put_into_quarantine_is_counted(api: Api) -> None:
     assert samples(api)["neuralmri_quarantined_folders"] == {(): 0.0}
     (api.store.root / "stranger").mkdir()
-    assert set_aside(api.store, []) == ("stranger",)
+    assert api.store.set_aside([]) == ("stranger",)
     assert samples(api)["neuralmri_quarantined_folders"] == {(): 1.0}

@@ -9,8 +9,8 @@ import pytest
 
 from intake.study import DEFAULT_LIMITS
 from jobs import checkpoint_files
+from jobs.disk_store import DiskStore
 from jobs.folder import JobFolder
-from jobs.store import JobStore
 from schemas.job import JobKind, Progress
 from schemas.messages import ContourRequest, JobRequest
 from schemas.options import Options
@@ -55,7 +55,7 @@ def request_() -> JobRequest:
 
 
 def new_job(root: Path, request: JobRequest) -> JobFolder:
-    folder = JobStore(root).folder(JOB_ID)
+    folder = DiskStore(root).folder(JOB_ID)
     folder.create(request, {})
     return folder
 

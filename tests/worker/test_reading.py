@@ -8,7 +8,9 @@ import pytest
 import trimesh
 
 from intake.limits import Limits
+from jobs.disk_folder import DiskFolder
 from jobs.folder import JobFolder
+from jobs.store import JobStore
 from schemas.job import JobKind
 from schemas.labels import LabelRequest, LabelScheme
 from schemas.messages import ContourRequest, JobRequest
@@ -22,6 +24,8 @@ from worker.provenance import label_maps_sha256, study_sha256
 from worker.reading import read_job
 from worker.surface_mesh import SurfaceMesh
 
+STAGING = Path("not", "needed")
+"""On a disk an input is read where it lies."""
 REQUEST = ContourRequest.model_validate(good_request())
 
 
@@ -37,13 +41,13 @@ def ellipsoid(structure: str, scale: float = 1.0, moved_mm: float = 0.0) -> byte
 
 
 @pytest.fixture
-def new_folder(tmp_path: Path) -> JobFolder:
-    return JobFolder(tmp_path, "1" * 32)
+def new_folder(tmp_path: Path) -> DiskFolder:
+    return DiskFolder(tmp_path, "1" * 32)
 
 
 def contour_job(
-    folder: JobFolder, references: dict[str, bytes], request: ContourRequest = REQUEST
-) -> JobFolder:
+    folder: DiskFolder, references: dict[str, bytes], request: ContourRequest = REQUEST
+) -> DiskFolder:
     folder.create(
         JobRequest(
             job_id=folder.job_id,
@@ -57,17 +61,17 @@ def contour_job(
     return folder
 
 
-def test_without_references_a_job_is_read_as_ever(new_folder: JobFolder) -> None:
-    reading = read_job(contour_job(new_folder, {}), Limits())
+def test_without_references_a_job_is_read_as_ever(new_folder: DiskFolder) -> None:
+    reading = read_job(contour_job(new_folder, {}), Limits(), STAGING)
     assert reading.study == REQUEST.study
     assert reading.references == {}
     assert reading.warnings == ()
     assert reading.input_sha256 == study_sha256(REQUEST.study)
 
 
-def test_references_are_read_by_surface_in_mm(new_folder: JobFolder) -> None:
+def test_references_are_read_by_surface_in_mm(new_folder: DiskFolder) -> None:
     sent = {"ED_lv_endo": ellipsoid("lv_endo"), "ED_rv_endo": ellipsoid("rv_endo")}
-    reading = read_job(contour_job(new_folder, sent), Limits())
+    reading = read_job(contour_job(new_folder, sent), Limits(), STAGING)
     assert list(reading.references) == ["ED_lv_endo", "ED_rv_endo"]
     mesh = reading.references["ED_lv_endo"]
     assert isinstance(mesh, SurfaceMesh)
@@ -76,7 +80,7 @@ def test_references_are_read_by_surface_in_mm(new_folder: JobFolder) -> None:
     assert reading.warnings == ()
 
 
-def test_references_are_in_mm_whatever_the_units_of_the_study(new_folder: JobFolder) -> None:
+def test_references_are_in_mm_whatever_the_units_of_the_study(new_folder: DiskFolder) -> None:
     document = good_request()
     document["study"]["units"] = "cm"
     for slice_ in document["study"]["frames"][0]["slices"]:
@@ -85,7 +89,7 @@ def test_references_are_in_mm_whatever_the_units_of_the_study(new_folder: JobFol
             contour["points"] = [[x / 10.0 for x in point] for point in contour["points"]]
     request = ContourRequest.model_validate(document)
     reading = read_job(
-        contour_job(new_folder, {"ED_lv_endo": ellipsoid("lv_endo")}, request), Limits()
+        contour_job(new_folder, {"ED_lv_endo": ellipsoid("lv_endo")}, request), Limits(), STAGING
     )
     assert reading.warnings == ()
 
@@ -95,8 +99,8 @@ def test_what_is_read_has_one_digest_with_and_another_without(tmp_path: Path) ->
     jobs = [{}, {"ED_lv_endo": ball}, {"ED_lv_endo": other}, {"ED_lv_epi": ball}]
     digests = []
     for number, references in enumerate([*jobs, {"ED_lv_endo": ball}]):
-        folder = contour_job(JobFolder(tmp_path, f"{number:032x}"), references)
-        digests.append(read_job(folder, Limits()).input_sha256)
+        folder = contour_job(DiskFolder(tmp_path, f"{number:032x}"), references)
+        digests.append(read_job(folder, Limits(), STAGING).input_sha256)
     assert len(set(digests)) == len(jobs)
     assert digests[-1] == digests[1]
 
@@ -112,36 +116,36 @@ def test_what_is_read_has_one_digest_with_and_another_without(tmp_path: Path) ->
     ],
 )
 def test_a_reference_that_cannot_be_used_is_the_callers_fault(
-    new_folder: JobFolder, surface: str, content: bytes, type_: ProblemType, said: str
+    new_folder: DiskFolder, surface: str, content: bytes, type_: ProblemType, said: str
 ) -> None:
     with pytest.raises(InputError, match=said) as caught:
-        read_job(contour_job(new_folder, {surface: content}), Limits())
+        read_job(contour_job(new_folder, {surface: content}), Limits(), STAGING)
     assert caught.value.pointer == f"reference_{surface}"
     assert caught.value.type is type_
     assert "Remedy" in caught.value.detail
 
 
-def test_a_reference_that_lies_elsewhere_is_doubted(new_folder: JobFolder) -> None:
+def test_a_reference_that_lies_elsewhere_is_doubted(new_folder: DiskFolder) -> None:
     sent = {"ED_lv_endo": ellipsoid("lv_endo", moved_mm=200.0)}
-    (warning,) = read_job(contour_job(new_folder, sent), Limits()).warnings
+    (warning,) = read_job(contour_job(new_folder, sent), Limits(), STAGING).warnings
     assert "ED_lv_endo" in warning
     assert "axes (LPS)" in warning
 
 
-def test_more_triangles_than_allowed_are_refused(new_folder: JobFolder) -> None:
+def test_more_triangles_than_allowed_are_refused(new_folder: DiskFolder) -> None:
     folder = contour_job(new_folder, {"ED_lv_endo": ellipsoid("lv_endo")})
     with pytest.raises(InputError, match="at most 1000 are accepted"):
-        read_job(folder, Limits(max_mesh_triangles=1000))
+        read_job(folder, Limits(max_mesh_triangles=1000), STAGING)
 
 
-def test_a_study_that_is_not_sound_is_refused_before_its_references(new_folder: JobFolder) -> None:
+def test_a_study_that_is_not_sound_is_refused_before_its_references(new_folder: DiskFolder) -> None:
     frame = REQUEST.study.frames[0]
     alone = REQUEST.study.model_copy(
         update={"frames": [frame.model_copy(update={"slices": frame.slices[:1]})]}
     )
     request = REQUEST.model_copy(update={"study": alone})
     with pytest.raises(InputError) as caught:
-        read_job(contour_job(new_folder, {"ED_lv_endo": b"?"}, request), Limits())
+        read_job(contour_job(new_folder, {"ED_lv_endo": b"?"}, request), Limits(), STAGING)
     assert caught.value.type is ProblemType.TOO_FEW_SLICES
     assert caught.value.pointer == "/study/frames/0/slices"
 
@@ -168,9 +172,9 @@ def label_job(folder: JobFolder, maps: dict[View, Path], references: dict[str, b
     return folder
 
 
-def test_label_maps_may_have_references_too(new_folder: JobFolder, maps: dict[View, Path]) -> None:
+def test_label_maps_may_have_references_too(new_folder: DiskFolder, maps: dict[View, Path]) -> None:
     folder = label_job(new_folder, maps, {"ED_lv_endo": ellipsoid("lv_endo")})
-    reading = read_job(folder, Limits())
+    reading = read_job(folder, Limits(), STAGING)
     assert list(reading.references) == ["ED_lv_endo"]
     labels = folder.request().labels
     assert labels is not None
@@ -178,7 +182,24 @@ def test_label_maps_may_have_references_too(new_folder: JobFolder, maps: dict[Vi
 
 
 def test_what_the_maps_do_not_show_is_found_out_here(
-    new_folder: JobFolder, maps: dict[View, Path]
+    new_folder: DiskFolder, maps: dict[View, Path]
 ) -> None:
     with pytest.raises(InputError, match=r"no frame ES.*after a frame of the study \(ED\)"):
-        read_job(label_job(new_folder, maps, {"ES_lv_endo": ellipsoid("lv_endo")}), Limits())
+        read_job(
+            label_job(new_folder, maps, {"ES_lv_endo": ellipsoid("lv_endo")}), Limits(), STAGING
+        )
+
+
+def test_a_job_is_read_alike_from_a_disk_and_from_a_bucket(
+    new_folder: DiskFolder, bucket_store: JobStore, maps: dict[View, Path]
+) -> None:
+    references = {"ED_lv_endo": ellipsoid("lv_endo")}
+    from_disk = read_job(label_job(new_folder, maps, references), Limits(), STAGING)
+    folder = label_job(bucket_store.folder(bucket_store.new_id()), maps, references)
+    staging = folder.staging(1)
+    from_bucket = read_job(folder, Limits(), staging)
+    assert from_bucket.input_sha256 == from_disk.input_sha256
+    assert from_bucket.study == from_disk.study
+    assert list(staging.iterdir()) == [], "what was fetched is not among the results"
+    folder.drop_staging(staging)
+    assert not staging.parent.exists()

@@ -3,13 +3,13 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
+from jobs.disk_store import DiskStore
 from jobs.records import JobRecords
-from jobs.store import JobStore
 from schemas.job import JobKind, JobState
 from schemas.messages import JobRequest, Outcome
 from schemas.webhook import JobEvent, WebhookRequest
 from service.settings import ServiceSettings
-from service.webhooks.announcement import MARK, Announcer
+from service.webhooks.announcement import Announcer
 from service.webhooks.desk import WebhookDesk
 from service.webhooks.endpoint import Endpoint
 
@@ -22,7 +22,7 @@ def desk(settings: ServiceSettings) -> WebhookDesk:
 
 
 @pytest.fixture
-def ended(store: JobStore) -> Ended:
+def ended(store: DiskStore) -> Ended:
     """A job that has ended, `ago_s` ago."""
 
     def make(state: JobState = JobState.SUCCEEDED, ago_s: float = 0.0) -> str:
@@ -51,13 +51,13 @@ def announced(desk: WebhookDesk, endpoint_id: str) -> list[tuple[str | None, str
     return [(m.job_id, m.event) for m in desk.outbox.newest(endpoint_id, 100)]
 
 
-def announcer(store: JobStore, desk: WebhookDesk) -> Announcer:
+def announcer(store: DiskStore, desk: WebhookDesk) -> Announcer:
     """As a process that has just started has it."""
     return Announcer(store, desk.endpoints, desk.outbox)
 
 
 def test_one_message_for_each_endpoint_that_wants_it(
-    store: JobStore, desk: WebhookDesk, ended: Ended
+    store: DiskStore, desk: WebhookDesk, ended: Ended
 ) -> None:
     everything = register(desk)
     failures = register(desk, JobEvent.FAILED)
@@ -77,7 +77,7 @@ def test_one_message_for_each_endpoint_that_wants_it(
 
 
 def test_jobs_that_run_are_looked_at_again(
-    store: JobStore, desk: WebhookDesk, ended: Ended
+    store: DiskStore, desk: WebhookDesk, ended: Ended
 ) -> None:
     endpoint_id = register(desk)
     one = announcer(store, desk)
@@ -94,18 +94,18 @@ def test_jobs_that_run_are_looked_at_again(
 
 
 def test_what_ended_before_it_was_registered_is_never_announced(
-    store: JobStore, desk: WebhookDesk, ended: Ended
+    store: DiskStore, desk: WebhookDesk, ended: Ended
 ) -> None:
     job_id = ended(ago_s=20.0)
     first = register(desk)
     for _ in range(2):
         announcer(store, desk).announce()
     assert announced(desk, first) == []
-    assert not (store.folder(job_id).path / MARK).exists()
+    assert not store.folder(job_id).is_announced()
 
 
 def test_what_ended_while_it_was_disabled_is_never_announced(
-    store: JobStore, desk: WebhookDesk, ended: Ended
+    store: DiskStore, desk: WebhookDesk, ended: Ended
 ) -> None:
     endpoint_id = register(desk)
     desk.endpoints.change(endpoint_id, lambda e: e.disabled(datetime.now(UTC), "410"))
@@ -117,18 +117,21 @@ def test_what_ended_while_it_was_disabled_is_never_announced(
 
 
 def test_a_crash_before_the_mark_makes_no_second_message(
-    store: JobStore, desk: WebhookDesk, ended: Ended
+    store: DiskStore, desk: WebhookDesk, ended: Ended
 ) -> None:
     endpoint_id = register(desk)
     job_id = ended()
     announcer(store, desk).announce()
     before = desk.outbox.newest(endpoint_id, 10)
-    (store.folder(job_id).path / MARK).unlink()
+    assert store.folder(job_id).is_announced()
+    (store.folder(job_id).path / "announced").unlink()
     announcer(store, desk).announce()
     assert desk.outbox.newest(endpoint_id, 10) == before
 
 
-def test_erased_jobs_are_not_brought_back(store: JobStore, desk: WebhookDesk, ended: Ended) -> None:
+def test_erased_jobs_are_not_brought_back(
+    store: DiskStore, desk: WebhookDesk, ended: Ended
+) -> None:
     register(desk)
     job_id = ended()
     one = announcer(store, desk)
@@ -139,7 +142,7 @@ def test_erased_jobs_are_not_brought_back(store: JobStore, desk: WebhookDesk, en
 
 
 def test_a_service_without_endpoints_leaves_job_folders_alone(
-    store: JobStore, desk: WebhookDesk, ended: Ended, records: JobRecords
+    store: DiskStore, desk: WebhookDesk, ended: Ended, records: JobRecords
 ) -> None:
     job_id = ended()
     announcer(store, desk).announce()
@@ -149,7 +152,7 @@ def test_a_service_without_endpoints_leaves_job_folders_alone(
 
 @pytest.mark.parametrize("name", ["request.json", "outcome.json"])
 def test_a_damaged_job_keeps_no_other_from_being_announced(
-    store: JobStore, desk: WebhookDesk, ended: Ended, name: str
+    store: DiskStore, desk: WebhookDesk, ended: Ended, name: str
 ) -> None:
     endpoint = register(desk)
     first, damaged, last = (ended() for _ in range(3))
