@@ -37,6 +37,7 @@ class ProblemType(StrEnum):
     IDEMPOTENCY_KEY_REUSED = "idempotency-key-reused"
     IDEMPOTENCY_KEY_PENDING = "idempotency-key-pending"
     TOO_MANY_JOBS = "too-many-jobs"
+    TOO_MANY_LISTENERS = "too-many-listeners"
     WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
     WEBHOOK_DISABLED = "webhook-disabled"
     CROSS_ORIGIN = "cross-origin"
