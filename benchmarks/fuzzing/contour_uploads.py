@@ -47,6 +47,7 @@ _HERE = "\u0001HERE\u0001"
 
 def contour_uploads() -> st.SearchStrategy[Upload]:
     """Any spoilt submission; one in some hundred is as good as it was."""
+    contour_requests()  # made here, for making them is no part of a draw
     return _uploads()
 
 

@@ -61,6 +61,7 @@ _FIELDS = (
 
 def label_uploads() -> st.SearchStrategy[Upload]:
     """Any spoilt submission; one in some hundred is as good as it was."""
+    label_maps()  # made here, for making them is no part of a draw
     return _uploads()
 
 
