@@ -19,7 +19,7 @@ SETTINGS: Mapping[str, str] = {
 }
 """What the service is started with."""
 
-# All checks are on. Three are told what a schema cannot say, each where it applies and nowhere else:
+# All checks are on. Three are told what no schema says, each where it applies and nowhere else:
 # - a study, a label map, a key that was used or options of an ended job may fit the schema and be
 #   judged unfit: 409, 413, 422. That good ones are accepted is what the statuses' counts show.
 # - of forms whose files have media types of their own, the tool sends some whose part `request` is
