@@ -21,6 +21,7 @@ from cli.private_redis import start_redis
 from schemas.problem import InputError, InternalError, ProblemType
 
 _API = "service.process:app_of_process"
+_PROTOCOL = "service.header_deadline:HeaderDeadline"
 
 # On one machine nothing is slow to answer, so a lost worker is noticed in seconds.
 _LOCAL_PATIENCE = {
@@ -114,13 +115,17 @@ def _start(plan: ServerPlan, children: Children) -> None:
     )
     children.start(
         "api",
-        python_module(
-            "uvicorn",
-            *("--factory", _API, "--host", plan.host, "--port", str(plan.port)),
-            *("--no-access-log", "--no-server-header", "--timeout-graceful-shutdown", "3"),
-        ),
+        python_module("uvicorn", *api_arguments(plan.host, plan.port)),
         env=env,
     )
+
+
+def api_arguments(host: str, port: int) -> list[str]:
+    """What uvicorn is told, in one place for everything that starts the API."""
+    return [
+        *("--factory", _API, "--host", host, "--port", str(port), "--http", _PROTOCOL),
+        *("--no-access-log", "--no-server-header", "--timeout-graceful-shutdown", "3"),
+    ]
 
 
 def _environment(plan: ServerPlan, redis_url: str) -> dict[str, str]:

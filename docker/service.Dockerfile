@@ -58,4 +58,5 @@ STOPSIGNAL SIGTERM
 HEALTHCHECK --interval=15s --timeout=5s --start-period=20s --retries=3 \
   CMD ["python", "-c", "from urllib.request import urlopen; urlopen('http://127.0.0.1:8000/healthz', timeout=4)"]
 CMD ["uvicorn", "--factory", "service.process:app_of_process", "--host", "0.0.0.0", "--port", "8000", \
+     "--http", "service.header_deadline:HeaderDeadline", \
      "--no-server-header", "--no-access-log", "--timeout-graceful-shutdown", "20"]

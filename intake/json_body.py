@@ -44,7 +44,7 @@ def _refuse_content(faults: list[ErrorDetails], document: Any, cause: Exception)
     raise InputError(
         ProblemType.INVALID_REQUEST,
         f"The request does not fit its schema at {parts[0].pointer or 'its top level'}: "
-        f"{parts[0].detail}{more}.",
+        f"{parts[0].detail}{more}. Remedy: correct what is listed; /openapi.json has the schema.",
         pointer=parts[0].pointer,
         errors=parts,
     ) from cause

@@ -35,7 +35,9 @@ def read_document(raw: bytes, limits: Limits) -> tuple[str, Any]:
 def refuse_syntax(detail: str, cause: Exception | None = None) -> NoReturn:
     """Raise `MALFORMED_JSON` (400)."""
     raise InputError(
-        ProblemType.MALFORMED_JSON, f"The body is not valid JSON: {detail}.", status=400
+        ProblemType.MALFORMED_JSON,
+        f"The body is not valid JSON: {detail}. Remedy: write it with a JSON library, in UTF-8.",
+        status=400,
     ) from cause
 
 

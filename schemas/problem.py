@@ -39,6 +39,7 @@ class ProblemType(StrEnum):
     TOO_MANY_JOBS = "too-many-jobs"
     BATCH_REFUSED = "batch-refused"
     RATE_LIMITED = "rate-limited"
+    TOO_MANY_LISTENERS = "too-many-listeners"
     WEBHOOK_TARGET_REFUSED = "webhook-target-refused"
     WEBHOOK_DISABLED = "webhook-disabled"
     CROSS_ORIGIN = "cross-origin"

@@ -15,6 +15,8 @@ from service.body_limit import BodyLimit
 from service.cross_origin import CrossOriginGuard, cors
 from service.description import DescribedApi
 from service.door import admit
+from service.framing import OneFraming
+from service.header_deadline import HEADERS_WITHIN_S
 from service.keys.gate import Gate
 from service.listening import Listening
 from service.metrics import RequestMetrics, metrics_route
@@ -62,11 +64,11 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     issuer_keys = KeysAtHand(settings)
 
     @asynccontextmanager
-    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(app: FastAPI) -> AsyncIterator[dict[str, float]]:
         async with Listening(settings) as app.state.listening, issuer_keys:
             try:
                 with Reconciler(access), Dispatcher(access, desk):
-                    yield
+                    yield {HEADERS_WITHIN_S: settings.headers_within_s}
             finally:
                 await asyncio.to_thread(spans.stop)
 
@@ -75,6 +77,8 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
         lifespan=lifespan,
         docs_url=None,  # the pages are routes of our own, see service/routes/pages.py
         redoc_url=None,
+        # A redirect would lead to whatever Host the request named.
+        redirect_slashes=False,
         # Short operation ids make readable names in generated clients.
         generate_unique_id_function=lambda route: route.name,
         dependencies=[Depends(admit)],
@@ -117,6 +121,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     app.add_middleware(CrossOriginGuard, origins=settings.origins)
     if settings.origins:
         app.add_middleware(CORSMiddleware, **cors(settings.origins))
+    app.add_middleware(OneFraming)
     app.add_middleware(ResponseHeaders)
     app.add_middleware(requests.middleware)
     app.add_middleware(RequestLog)

@@ -12,6 +12,7 @@ from schemas.messages import ContourRequest
 from schemas.problem import Problem
 from schemas.restart import RestartRequest
 from schemas.webhook import WebhookMessage, WebhookRequest
+from service.links_description import add_links
 from service.security_description import add_security
 
 _DESCRIPTION = """\
@@ -74,4 +75,5 @@ def _description(app: FastAPI) -> dict[str, Any]:
     schemas.update(bodies["$defs"])
     found["components"]["schemas"] = dict(sorted(schemas.items()))
     add_security(found)
+    add_links(found)
     return found

@@ -11,7 +11,8 @@ _EXAMPLES: dict[int, tuple[str, ServiceError]] = {
         "The body is not what its media type says.",
         InputError(
             ProblemType.MALFORMED_JSON,
-            "The body is not valid JSON: Expecting value at line 1 column 10.",
+            "The body is not valid JSON: Expecting value at line 1 column 10. Remedy: write it "
+            "with a JSON library, in UTF-8.",
             status=400,
         ),
     ),

@@ -33,5 +33,8 @@ def form_content(request_model: str, files: Mapping[str, str]) -> dict[str, Any]
                 }
             },
         },
-        "encoding": {"request": {"contentType": "application/json"}},
+        "encoding": {
+            "request": {"contentType": "application/json"},
+            **{name: {"contentType": "application/octet-stream"} for name in files},
+        },
     }

@@ -53,8 +53,8 @@ class HeldAnswer(Response):
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         job = self._job
         headers = dict(self._announced.headers)
-        if not self._listening.is_full:
-            with self._listening.place():
+        if self._listening.has_place(self._access.caller):
+            with self._listening.place(self._access.caller):
                 waiting = self._listening.until_ended(job.id, self._wait_s)
                 stayed = await _ends_before_hang_up(waiting, receive)
             if stayed:

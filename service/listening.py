@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import AsyncExitStack, contextmanager
 from types import TracebackType
@@ -13,7 +14,8 @@ from redis.exceptions import RedisError
 from jobs.event_bell import EventBell
 from jobs.event_reader import EventReader
 from jobs.redis_client import make_async_redis
-from schemas.problem import InternalError, ProblemType
+from schemas.problem import InputError, InternalError, ProblemType
+from service.keys.caller import Caller
 from service.settings import ServiceSettings
 from service.stop_signal import on_stop_signal
 
@@ -28,7 +30,9 @@ class Listening:
         self.heartbeat_s = settings.event_heartbeat_s
         self.is_stopping = False
         self._max_listeners = settings.max_listeners
-        self._listeners = 0
+        self._max_of_owner = settings.max_listeners_per_owner
+        self._of_owner: Counter[str | None] = Counter()
+        self._retry_after_s = settings.retry_after_s
         self._redis = make_async_redis(settings.redis_url, settings.redis_timeout_s)
         self.reader = EventReader(self._redis)
         self.bell = EventBell(self._redis)
@@ -54,25 +58,46 @@ class Listening:
         self.is_stopping = True
         self.bell.ring_all()
 
-    @property
-    def is_full(self) -> bool:
-        return self._listeners >= self._max_listeners
+    def has_place(self, caller: Caller) -> bool:
+        """Whether one more may listen, and this caller one more time."""
+        return not self._is_full and not self._is_full_for(caller)
 
     @contextmanager
-    def place(self) -> Iterator[None]:
-        """Count as a listener. Raises InternalError (unavailable, 503) where there are too many."""
-        if self.is_full:
+    def place(self, caller: Caller) -> Iterator[None]:
+        """Count as a listener.
+
+        Raises InternalError (unavailable, 503) where there are too many, InputError (too many
+        listeners, 429) where too many of them are the caller's owner's.
+        """
+        if self._is_full:
             raise InternalError(
                 ProblemType.UNAVAILABLE,
                 f"{self._max_listeners} callers follow jobs here already. Remedy: poll the job, or "
                 "try again later.",
                 status=503,
             )
-        self._listeners += 1
+        if self._is_full_for(caller):
+            raise InputError(
+                ProblemType.TOO_MANY_LISTENERS,
+                f"you follow {self._max_of_owner} jobs here already, as many as you may. Remedy: "
+                "close a stream, or poll the job.",
+                status=429,
+                retry_after_s=self._retry_after_s,
+            )
+        self._of_owner[_share(caller)] += 1
         try:
             yield
         finally:
-            self._listeners -= 1
+            self._of_owner[_share(caller)] -= 1
+            self._of_owner += Counter()  # drops who has none
+
+    @property
+    def _is_full(self) -> bool:
+        return self._of_owner.total() >= self._max_listeners
+
+    def _is_full_for(self, caller: Caller) -> bool:
+        share = _share(caller)
+        return share is not None and self._of_owner[share] >= self._max_of_owner
 
     async def until_ended(self, job_id: str, within_s: float) -> None:
         """Return when the job has ended or is gone, when time is up, or when the server stops."""
@@ -88,6 +113,11 @@ class Listening:
                     if state is None or state.is_terminal:
                         return
                 await waiter.wait(min(self.heartbeat_s, max(0.0, deadline_s - time.monotonic())))
+
+
+def _share(caller: Caller) -> str | None:
+    """Whose share of the places a caller takes; nobody's where no keys are asked for."""
+    return caller.owner if caller.is_named else None
 
 
 async def listening_of(request: Request) -> Listening:

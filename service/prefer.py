@@ -4,6 +4,7 @@ import re
 from typing import Annotated
 
 from fastapi import Header
+from pydantic import WithJsonSchema
 
 # A parameter's or preference's value may be quoted, with commas in it.
 _PREFERENCE = re.compile(r'(?:[^,"]|"(?:[^"\\]|\\.)*")+')
@@ -14,8 +15,9 @@ Prefer = Annotated[
     Header(
         alias="Prefer",
         description="`wait=N`: hold the answer until the job has ended, N seconds at most.",
-        examples=["wait=30"],
     ),
+    # Any text is a list of preferences, and those that are not known are ignored.
+    WithJsonSchema({"type": "string", "examples": ["wait=30"]}),
 ]
 
 

@@ -174,9 +174,12 @@ def install_problem_handlers(app: FastAPI, settings: ServiceSettings) -> None:
 
 
 def _allowed_methods(app: FastAPI, path: str) -> list[str]:
+    paths = app.openapi()["paths"]
+    # `/v1/jobs/contours` would be a job's address too, of a job that cannot be.
+    templates = [path] if path in paths else paths
     return sorted(
         method.upper()
-        for template, operations in app.openapi()["paths"].items()
+        for template in templates
         if compile_path(template)[0].fullmatch(path)
-        for method in operations
+        for method in paths[template]
     )

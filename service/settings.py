@@ -15,6 +15,12 @@ class ServiceSettings(OidcSettings, WebhookSettings, LimitSettings, JobSettings)
     body_within_s: float = Field(
         default=300.0, gt=0.0, le=3600.0, description="How long one body may take to arrive."
     )
+    headers_within_s: float = Field(
+        default=20.0,
+        gt=0.0,
+        le=600.0,
+        description="How long a connection may take to say what it wants.",
+    )
     require_keys: bool | None = Field(
         default=None, description="Whether to ask for API keys; None: once one exists."
     )
@@ -85,6 +91,9 @@ class ServiceSettings(OidcSettings, WebhookSettings, LimitSettings, JobSettings)
         ge=1,
         le=10_000,
         description="Event streams and held answers at a time, in one process.",
+    )
+    max_listeners_per_owner: int = Field(
+        default=50, ge=1, le=10_000, description="Of them, those of one owner of keys."
     )
     event_heartbeat_s: float = Field(
         default=15.0, gt=0.0, le=300.0, description="How long an event stream may be silent."

@@ -12,6 +12,9 @@ SomePoints = Float[np.ndarray, "_ 3"]
 PlanePoints = Float[np.ndarray, "n 2"]
 """Points in a slice's own two in-plane axes, mm."""
 
+SomePlanePoints = Float[np.ndarray, "_ 2"]
+"""The same where a function speaks of several sets, of different counts."""
+
 PlanePoint = Float[np.ndarray, "2"]
 """One of them, or a direction there."""
 

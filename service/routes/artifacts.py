@@ -10,6 +10,7 @@ from jobs.folder import JobFolder
 from jobs.stored_file import StoredFile
 from schemas.artifacts import MANIFEST_NAME, Manifest
 from schemas.job import JobState
+from schemas.media_types import ARTIFACT_MEDIA_TYPES
 from schemas.problem import InputError, InternalError, ProblemType
 from schemas.report import Report
 from service.access import Access, JobAccess, no_such_job
@@ -36,7 +37,7 @@ _FILE: dict[int | str, dict[str, Any]] = {
             "ETag": {"description": "The sha256, quoted.", "schema": {"type": "string"}},
             "Content-Disposition": {"schema": {"type": "string"}},
         },
-        "content": {"application/octet-stream": {}},
+        "content": {type_: {} for type_ in ARTIFACT_MEDIA_TYPES.values()},
     },
     206: {"description": "The bytes that Range asked for."},
     304: {"description": "If-None-Match names the file as it is."},

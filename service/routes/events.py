@@ -10,9 +10,10 @@ from starlette.concurrency import run_in_threadpool
 
 from jobs.event_id import START, EventId
 from schemas.event import EVENT_STREAM
+from schemas.problem import InputError, ProblemType
 from service.accept import require_acceptable
 from service.access import Access
-from service.documented import problems
+from service.documented import described_problem, problems
 from service.job_events import job_events, next_events
 from service.keys.gate import Gate
 from service.listening import Listeners
@@ -47,6 +48,15 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
         "description": "Nothing follows `Last-Event-ID`: the job has ended and its end was "
         "told. An EventSource does not come back after this."
     },
+    429: described_problem(
+        "You follow as many jobs as you may.",
+        InputError(
+            ProblemType.TOO_MANY_LISTENERS,
+            "you follow 50 jobs here already, as many as you may. Remedy: close a stream, or poll.",
+            status=429,
+        ),
+        retry=True,
+    ),
 }
 
 
@@ -56,8 +66,8 @@ class EventStream(StreamingResponse):
     media_type = EVENT_STREAM
 
 
-async def _place(listening: Listeners) -> AsyncIterator[None]:
-    with listening.place():
+async def _place(listening: Listeners, access: Access) -> AsyncIterator[None]:
+    with listening.place(access.caller):
         yield
 
 

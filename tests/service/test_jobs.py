@@ -161,3 +161,10 @@ def test_a_job_that_redis_forgot_is_still_there(api: Api) -> None:
     before = api.client.get(f"/v1/jobs/{job_id}").json()
     api.records.forget(job_id)
     assert api.client.get(f"/v1/jobs/{job_id}").json() == before
+
+
+@pytest.mark.parametrize("path", ["/v1/jobs/contours", "/v1/jobs/labels"])
+def test_an_address_of_its_own_is_not_taken_for_a_job_s(api: Api, path: str) -> None:
+    answer = api.client.put(path)
+    problem_of(answer, 405, ProblemType.METHOD_NOT_ALLOWED)
+    assert answer.headers["allow"] == "POST"

@@ -65,3 +65,23 @@ def test_operations_have_names_of_their_own(description: dict[str, Any]) -> None
     names = [o["operationId"] for path in description["paths"].values() for o in path.values()]
     assert len(set(names)) == len(names)
     assert "submit_contours" in names
+
+
+def test_links_lead_to_operations_and_fill_their_paths(description: dict[str, Any]) -> None:
+    parameters = {
+        operation["operationId"]: {
+            p["name"] for p in operation.get("parameters", []) if p["in"] == "path"
+        }
+        for path in description["paths"].values()
+        for operation in path.values()
+    }
+    links = [
+        link
+        for path in description["paths"].values()
+        for operation in path.values()
+        for answer in operation["responses"].values()
+        for link in answer.get("links", {}).values()
+    ]
+    assert {link["operationId"] for link in links} >= {"get_artifact", "replay_webhook_delivery"}
+    for link in links:
+        assert set(link["parameters"]) == parameters[link["operationId"]]

@@ -5,13 +5,8 @@ from datetime import datetime
 from pathlib import Path
 
 from schemas.artifacts import MANIFEST_NAME, Artifact, Manifest
+from schemas.media_types import ARTIFACT_MEDIA_TYPES
 from schemas.vocabulary import Axes
-from worker.artifacts.meshes import MEDIA_TYPES
-
-_MEDIA_TYPES = {f".{form}": media_type for form, media_type in MEDIA_TYPES.items()} | {
-    ".json": "application/json",
-    ".html": "text/html; charset=utf-8",
-}
 
 
 def describe(
@@ -47,7 +42,7 @@ def _described(path: Path) -> Artifact:
         sha256 = hashlib.file_digest(file, "sha256").hexdigest()
     return Artifact(
         name=path.name,
-        media_type=_MEDIA_TYPES[path.suffix],
+        media_type=ARTIFACT_MEDIA_TYPES[path.suffix],
         bytes=path.stat().st_size,
         sha256=sha256,
     )

@@ -22,14 +22,6 @@ from worker.artifacts.mesh_files.vertex_field import vertex_field
 from worker.artifacts.mesh_files.vtp import write_vtp
 from worker.surface_mesh import SurfaceMesh
 
-MEDIA_TYPES = {
-    MeshFormat.STL: "model/stl",
-    MeshFormat.OBJ: "model/obj",
-    MeshFormat.PLY: "application/ply",
-    MeshFormat.VTP: "application/vnd.vtk.polydata+xml",
-    MeshFormat.GLB: "model/gltf-binary",
-}
-
 _WRITERS: Mapping[MeshFormat, Callable[[Path, Content], None]] = {
     MeshFormat.STL: write_stl,
     MeshFormat.OBJ: write_obj,

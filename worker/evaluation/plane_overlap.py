@@ -8,7 +8,7 @@ from shapely.geometry import MultiPolygon, Polygon
 from shapely.geometry.base import BaseGeometry
 
 from intake.planes import Plane
-from worker.arrays import PlanePoints, SomePoints
+from worker.arrays import PlanePoints, SomePlanePoints, SomePoints
 from worker.evaluation.support import AlignedOutline
 
 
@@ -36,7 +36,7 @@ def dice(one: BaseGeometry, other: BaseGeometry) -> float | None:
     return float(2.0 * shapely.intersection(one, other).area / both) if both > 0.0 else None
 
 
-def enclosed(rings: Sequence[PlanePoints]) -> BaseGeometry:
+def enclosed(rings: Sequence[SomePlanePoints]) -> BaseGeometry:
     """What closed rings, (n, 2) each, enclose by the even-odd rule: a ring in a ring is a hole."""
     area: BaseGeometry = MultiPolygon()
     for ring in rings:

@@ -5,9 +5,10 @@ import pytest
 import pyvista
 import trimesh
 
+from schemas.media_types import MESH_MEDIA_TYPES
 from schemas.problem import InternalError
 from schemas.vocabulary import Axes, MeshFormat
-from worker.artifacts.meshes import MEDIA_TYPES, write_mesh
+from worker.artifacts.meshes import write_mesh
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -69,7 +70,7 @@ def test_formats_without_numbers_at_vertices_are_the_same_bytes_with_them(
 
 
 def test_every_format_has_a_media_type() -> None:
-    assert set(MEDIA_TYPES) == set(MeshFormat)
+    assert set(MESH_MEDIA_TYPES) == set(MeshFormat)
 
 
 @pytest.mark.parametrize("form", list(MeshFormat))

@@ -106,3 +106,11 @@ def test_a_ring_that_crosses_itself_still_has_an_area() -> None:
     bow = np.array([[0.0, 0.0], [2.0, 2.0], [2.0, 0.0], [0.0, 2.0]])
     assert enclosed([bow]).area == pytest.approx(2.0)
     assert enclosed([np.zeros((2, 2))]).area == 0.0
+
+
+def test_rings_may_have_different_counts_of_points() -> None:
+    corners = square(10.0)
+    finer = np.concatenate([corners, [corners[-1]]])
+    # Of a list the shape check looks at one ring, drawn anew at each call.
+    for _ in range(20):
+        assert enclosed([corners, finer + 100.0]).area == pytest.approx(200.0)

@@ -1,0 +1,1 @@
+"""Attacks on a running service: what is tried, what must come back, what does."""
