@@ -53,8 +53,8 @@ class LineWork:
 
     @classmethod
     def now(cls, redis: Redis) -> "LineWork":
-        """Raises RedisError."""
-        with redis.pipeline() as pipe:
+        """Raises RedisError. No transaction: see `WaitingLine`."""
+        with redis.pipeline(transaction=False) as pipe:
             for priority in Priority:
                 pipe.hgetall(_line_key(priority))
             pipe.hvals(_HELD_KEY)

@@ -49,6 +49,7 @@ def barrage(
     upload leaves in the store, and for memory above the cap; the upload is shrunk first.
     """
     tally = Tally()
+    before = set(service.settings.jobs_dir.iterdir())
     with httpx.Client(base_url=service.url, headers=service.headers, timeout=30.0) as client:
 
         @seed(start)
@@ -67,8 +68,8 @@ def barrage(
             _require(upload, faults(answer))
             if answer.status == 202:
                 _take_back(service, client, answer.headers["location"], accepted)
-            left = service.settings.jobs_dir.iterdir()
-            _require(upload, [f"{path.name} is left in the store" for path in left])
+            left = set(service.settings.jobs_dir.iterdir()) - before
+            _require(upload, [f"{path.name} is left in the store" for path in sorted(left)])
             tally.peak_memory_bytes = service.peak_memory_bytes()
             if tally.peak_memory_bytes > MEMORY_CAP_BYTES:
                 _require(upload, [f"{tally.peak_memory_bytes} bytes resident"])

@@ -29,6 +29,10 @@ _QUIET = {
     "NEURALMRI_EVENT_HEARTBEAT_S": "1",
     "NEURALMRI_WEBHOOK_MAX_ENDPOINTS": "1000",
     "NEURALMRI_MAX_QUEUED_JOBS": "100000",
+    # Else nothing but 429 would be seen after the first second.
+    "NEURALMRI_CALLS_PER_MINUTE": "0",
+    "NEURALMRI_SUBMITS_PER_MINUTE": "0",
+    "NEURALMRI_REFUSALS_PER_MINUTE": "0",
 }
 
 
