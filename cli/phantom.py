@@ -2,13 +2,26 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from cli.beat_arguments import (
+    Beats,
+    Edv,
+    EjectionFraction,
+    Frames,
+    HeartRate,
+    RvEjectionFraction,
+    Shortening,
+    Twist,
+    beat_case,
+    refuse_without_frames,
+)
 from cli.console import say, say_json
+from cli.phantom_files import write_phantom
 from cli.slicing_arguments import (
     LongAxisSlices,
     Margin,
@@ -19,13 +32,11 @@ from cli.slicing_arguments import (
     SliceSpacing,
     SubjectId,
 )
-from cli.study_file import write_study
-from schemas.messages import ContourRequest
 from schemas.problem import InputError, ProblemType
 from schemas.vocabulary import Axes, MeshFormat, Structure
 
 if TYPE_CHECKING:
-    from worker.phantom import Heart, HeartShape
+    from worker.phantom import Heart, SlicingPlan
     from worker.surface_mesh import SurfaceMesh
 
 
@@ -45,19 +56,27 @@ def phantom(
         list[str] | None,
         typer.Option(metavar="NAME=VALUE", help="A number of the heart's shape, repeatable."),
     ] = None,
+    frames: Frames = None,
+    beat: Beats = None,
+    heart_rate: HeartRate = None,
+    edv: Edv = None,
+    ejection_fraction: EjectionFraction = None,
+    rv_ejection_fraction: RvEjectionFraction = None,
+    shortening: Shortening = None,
+    twist: Twist = None,
     subject_id: SubjectId = "phantom",
     seed: Seed = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print truth.json.")] = False,
 ) -> None:
-    """Write a heart of known truth at end-diastole (ED) and end-systole (ES), LPS, mm.
+    """Write a heart of known truth at end-diastole (ED) and end-systole (ES), LPS, mm; or with
+    --frames over a whole beat.
 
     Into the folder go the true surfaces (ED_lv_endo.stl, ...), study.json (the contour study cut
     from them), request.json (the same as a request body, to POST) and truth.json (volumes,
-    displacements, shape).
+    displacements, shape). With --frames also trajectories.npz: the vertices of one mesh a surface
+    in every frame (F00 to the last).
     """
-    from worker.artifacts.meshes import write_mesh
-    from worker.phantom import SlicingPlan, heart, slice_frames
-    from worker.phantom.standard_study import ONE_BEAT
+    from worker.phantom import SlicingPlan
 
     plan = SlicingPlan(
         spacing_mm=spacing,
@@ -68,19 +87,61 @@ def phantom(
         noise_sd_mm=noise_sd,
         seed=seed,
     )
-    form = _heart_shape(shape or ())
+    numbers = {
+        "heart_rate_bpm": heart_rate,
+        "edv_ml": edv,
+        "ejection_fraction_percent": ejection_fraction,
+        "rv_ejection_fraction_percent": rv_ejection_fraction,
+        "longitudinal_shortening_percent": shortening,
+        "twist_deg": twist,
+    }
+    if frames is None:
+        refuse_without_frames(beat, numbers)
+        truth = _write_two_phases(out, shape or (), plan, edge, mesh_format, subject_id)
+    else:
+        from cli.beating_phantom import OF_TWO_PHASES, write_beat
+        from worker.phantom.beating import BeatingHeart
+
+        case = beat_case(beat, numbers)
+        form = _numbers_of_shape(shape or ())
+        if idle := sorted(set(form) & set(OF_TWO_PHASES)):
+            raise _refused(
+                f"{', '.join(idle)} is of the heart without --frames; a beat has "
+                "--ejection-fraction, --rv-ejection-fraction and --shortening"
+            )
+        heart = BeatingHeart(replace(case.shape, **form), case.beat)
+        truth = write_beat(
+            out,
+            heart,
+            frames,
+            plan,
+            edge_mm=edge,
+            mesh_format=mesh_format,
+            subject_id=subject_id,
+        )
+    if as_json:
+        say_json(truth)
+    else:
+        say(_sentence(out, truth))
+
+
+def _write_two_phases(
+    out: Path,
+    shape: Iterable[str],
+    plan: "SlicingPlan",
+    edge: float,
+    mesh_format: MeshFormat,
+    subject_id: str,
+) -> dict[str, Any]:
+    """End-diastole and end-systole, and what truth.json says of them."""
+    from worker.phantom import HeartShape, heart, slice_frames
+    from worker.phantom.standard_study import ONE_BEAT
+
+    form = HeartShape(**_numbers_of_shape(shape))
     hearts = {label: heart(phase, form) for label, phase in ONE_BEAT.items()}
     frames = {label: instant.meshes(edge) for label, instant in hearts.items()}
     sliced = slice_frames(frames, plan, subject_id=subject_id, axes=Axes.LPS)
-
-    out.mkdir(parents=True, exist_ok=True)
-    for label, meshes in frames.items():
-        for structure, mesh in meshes.items():
-            name = f"{label}_{structure.value}"
-            write_mesh(out / f"{name}.{mesh_format.value}", mesh, name, Axes.LPS)
-    write_study(out / "study.json", sliced.study)
-    request = ContourRequest(study=sliced.study).model_dump_json(exclude_unset=True)
-    (out / "request.json").write_text(request + "\n", encoding="utf-8")
+    write_phantom(out, frames, sliced.study, mesh_format)
     truth = {
         "subject_id": subject_id,
         "units": "mm",
@@ -98,13 +159,11 @@ def phantom(
         },
     }
     (out / "truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
-    if as_json:
-        say_json(truth)
-    else:
-        say(_sentence(out, truth))
+    return truth
 
 
-def _heart_shape(given: Iterable[str]) -> "HeartShape":
+def _numbers_of_shape(given: Iterable[str]) -> dict[str, float]:
+    """NAME=VALUE by name, each a field of `HeartShape`."""
     from worker.phantom import HeartShape
 
     known = [field.name for field in fields(HeartShape)]
@@ -119,7 +178,7 @@ def _heart_shape(given: Iterable[str]) -> "HeartShape":
             ) from error
         if name not in known:
             raise _refused(f"{name} is no number of a heart's shape; choose of {', '.join(known)}")
-    return HeartShape(**numbers)
+    return numbers
 
 
 def _frame_truth(

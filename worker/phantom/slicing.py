@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 from pydantic import ValidationError
@@ -21,6 +22,9 @@ from worker.surface_mesh import SurfaceMesh
 _LEAST_MM2 = 1.0
 """A loop smaller than this is a touch of the plane that nobody would outline."""
 
+NO_TIMES: Mapping[str, float] = MappingProxyType({})
+"""Of frames whose instants are not known."""
+
 
 @dataclass(frozen=True, eq=False)
 class SlicedStudy:
@@ -36,12 +40,14 @@ def slice_frames(
     *,
     subject_id: str = "phantom",
     axes: Axes = Axes.LPS,
+    times_ms: Mapping[str, float] = NO_TIMES,
 ) -> SlicedStudy:
     """Slices the closed surfaces of every frame (by its label) by the same planes.
 
     Planes and displacements are those of the scanner, hence shared by all frames; a frame leaves
     out the planes that lie beyond its own surfaces by more than the margin. A structure that a
     plane misses is `absent` there. Deterministic in plan.seed.
+    times_ms: when a frame was, by its label; a frame that it lacks tells no time.
     Raises InputError when a surface is not closed, or a name is none (see `Name`).
     """
     if not frames or not all(frames.values()):
@@ -61,7 +67,11 @@ def slice_frames(
             units=Units.MM,
             axes=axes,
             frames=[
-                _frame(label, meshes, planes, shifts, plan, np.random.default_rng(hand))
+                Frame(
+                    label=label,
+                    time_ms=times_ms.get(label),
+                    slices=_slices(meshes, planes, shifts, plan, np.random.default_rng(hand)),
+                )
                 for (label, meshes), hand in zip(frames.items(), hand_seeds, strict=True)
             ],
         )
@@ -87,20 +97,20 @@ def slice_meshes(
     return slice_frames({label: meshes}, plan, subject_id=subject_id, axes=axes)
 
 
-def _frame(
-    label: str,
+def _slices(
     meshes: Mapping[Structure, SurfaceMesh],
     planes: list[SlicePlane],
     shifts: Mapping[str, Vector],
     plan: SlicingPlan,
     generator: np.random.Generator,
-) -> Frame:
+) -> list[Slice]:
+    """Of one frame."""
     cuts = (
         _slice(plane, meshes, shifts[plane.id], plan, generator)
         for plane in planes
         if _is_within_margin(plane, meshes, plan.margin_mm)
     )
-    return Frame(label=label, slices=[cut for cut in cuts if cut])
+    return [cut for cut in cuts if cut]
 
 
 def _slice(

@@ -69,6 +69,12 @@ def test_frames_share_planes_and_displacements(diastole, systole):
         assert (one.origin, one.normal) == (rest[name].origin, rest[name].normal)
 
 
+def test_frames_tell_the_times_that_are_known(diastole, systole):
+    frames = {"ED": diastole, "ES": systole}
+    study = slice_frames(frames, times_ms={"ES": 351.0}).study
+    assert [frame.time_ms for frame in study.frames] == [None, 351.0]
+
+
 def test_true_shifts_are_what_was_added(diastole):
     still = slice_meshes(diastole).study.frames[0].slices
     moved = slice_meshes(diastole, SlicingPlan(shift_sd_mm=3.0))
