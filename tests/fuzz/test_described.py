@@ -5,7 +5,7 @@ import pytest
 from benchmarks.fuzzing.described import run_schemathesis
 from benchmarks.fuzzing.running_service import RunningService
 
-pytestmark = [pytest.mark.integration, pytest.mark.slow]
+pytestmark = [pytest.mark.integration, pytest.mark.slow, pytest.mark.timeout(1800)]
 
 
 def test_the_service_does_what_its_description_says_and_nothing_else(
