@@ -48,6 +48,9 @@ def memory_run(jobs: int, every: int) -> list[MemorySample]:
         "PYTHONPATH": str(ROOT),
         # One process for all, or its end would hide what it gathers.
         "NEURALMRI_MAX_TASKS_PER_CHILD": "1000000",
+        # One address sends them all, as fast as they are taken.
+        "NEURALMRI_CALLS_PER_MINUTE": "0",
+        "NEURALMRI_SUBMITS_PER_MINUTE": "0",
     }
     samples = []
     with ExitStack() as open_:
