@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from intake.formats.clinical_faults import unreadable
 from intake.formats.dicom_file import is_dicom
-from intake.formats.geometry_table import is_csv_table, read_geometry_table
+from intake.formats.geometry_table import is_table, read_geometry_table
 from intake.formats.image_geometry import ImageGeometry, image_of
 from intake.limits import Limits
 
@@ -26,7 +26,7 @@ def read_companions(
                 without += 1
             else:
                 images[uid] = geometry
-        elif data.lstrip()[:1] in (b"{", b"[") or is_csv_table(data):
+        elif is_table(data):
             images |= read_geometry_table(data, name, limits)
         else:
             raise unreadable(

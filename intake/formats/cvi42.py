@@ -52,7 +52,7 @@ def read_cvi42(
         InputError: no workspace, a file that cannot be read, too much of it, no contour of the
             ventricles, no geometry, or images whose instants cannot be told apart.
     """
-    workspaces = {name: data for name, data in files.items() if is_xml(data)}
+    workspaces = {name: data for name, data in files.items() if looks_like_cvi42(data)}
     if not workspaces:
         raise unusable(
             "there is no cvi42 workspace", "send the .cvi42wsx file (XML), unpacked from archives"
@@ -69,8 +69,8 @@ def read_cvi42(
     return assembled(contours, images, warnings, subject_id=subject_id, limits=limits)
 
 
-def is_xml(data: bytes) -> bool:
-    """Whether the file begins as XML does, in any of the encodings that XML may have."""
+def looks_like_cvi42(data: bytes) -> bool:
+    """Whether a file begins as XML does, in any of the encodings that XML may have."""
     head = data[:256].replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n")
     return head.startswith(b"<")
 

@@ -25,9 +25,11 @@ if TYPE_CHECKING:
 _PREAMBLE_BYTES = 128
 _MAGIC = b"DICM"
 _META_GROUP = 2
+_FIRST_GROUP = 8
 _MAX_META_BYTES = 1 << 16
 _TRANSFER_SYNTAX = 0x00020010
-_IMPLICIT, _DEFLATED = "1.2.840.10008.1.2", "1.2.840.10008.1.2.1.99"
+_IMPLICIT, _EXPLICIT = "1.2.840.10008.1.2", "1.2.840.10008.1.2.1"
+_DEFLATED = "1.2.840.10008.1.2.1.99"
 _BIG_ENDIAN = "1.2.840.10008.1.2.2"
 _FAMILY = "1.2.840.10008.1.2"
 """All transfer syntaxes of the standard; those of compressed pixels are explicit, little endian."""
@@ -44,8 +46,8 @@ _MISREAD = (
 
 
 def is_dicom(data: bytes) -> bool:
-    """Whether the file begins as PS3.10 says."""
-    return data[_PREAMBLE_BYTES : _PREAMBLE_BYTES + len(_MAGIC)] == _MAGIC
+    """Whether the file begins as PS3.10 says, or at once with a data set, as older exports do."""
+    return _has_header(data) or _is_bare(data)
 
 
 def read_dicom(
@@ -60,10 +62,13 @@ def read_dicom(
     if not is_dicom(data):
         raise unreadable(
             file,
-            "is not a DICOM file: its preamble and the letters DICM are missing",
+            "is not a DICOM file: it has neither the letters DICM after a preamble nor a data set",
             "export it as a DICOM file with its header (PS3.10)",
         )
-    syntax, start = _transfer_syntax(data, file)
+    if _has_header(data):
+        syntax, start = _transfer_syntax(data, file)
+    else:
+        syntax, start = (_EXPLICIT if data[4:6].isalpha() else _IMPLICIT), 0
     encoding = Encoding(implicit=syntax == _IMPLICIT, little=syntax != _BIG_ENDIAN)
     body = data[start:]
     if syntax == _DEFLATED:
@@ -124,6 +129,16 @@ def items(dataset: "Dataset", tag: int, file: str) -> Iterator["Dataset"]:
     except _MISREAD as error:
         raise _damaged(file, "has a sequence that cannot be read") from error
     yield from found
+
+
+def _has_header(data: bytes) -> bool:
+    return data[_PREAMBLE_BYTES : _PREAMBLE_BYTES + len(_MAGIC)] == _MAGIC
+
+
+def _is_bare(data: bytes) -> bool:
+    """Whether it begins with an element that data sets begin with, little endian."""
+    group, element = int.from_bytes(data[:2], "little"), int.from_bytes(data[2:4], "little")
+    return len(data) >= 8 and group == _FIRST_GROUP and element <= SOP_INSTANCE_UID & 0xFFFF
 
 
 def _transfer_syntax(data: bytes, file: str) -> tuple[str, int]:

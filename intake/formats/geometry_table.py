@@ -51,8 +51,7 @@ def read_geometry_table(data: bytes, file: str, limits: Limits) -> dict[str, Ima
     Raises:
         InputError: at `file`, with the line or the place at fault.
     """
-    is_json = data.lstrip()[:1] in (b"{", b"[")
-    entries = _of_json(data, file, limits) if is_json else _of_csv(data, file)
+    entries = _of_json(data, file, limits) if _is_json(data) else _of_csv(data, file)
     found: dict[str, ImageGeometry] = {}
     for entry in entries:
         one = geometry(
@@ -74,11 +73,17 @@ def read_geometry_table(data: bytes, file: str, limits: Limits) -> dict[str, Ima
     return found
 
 
-def is_csv_table(data: bytes) -> bool:
-    """Whether the first line has the required columns."""
+def is_table(data: bytes) -> bool:
+    """Whether a file is JSON, or its first line has the required columns of a CSV table."""
+    if _is_json(data):
+        return True
     head = data[:1024].removeprefix(b"\xef\xbb\xbf").splitlines()[:1]
     words = head[0].decode("ascii", "replace").lower().split(",") if head else []
     return set(_REQUIRED) <= {word.strip() for word in words}
+
+
+def _is_json(data: bytes) -> bool:
+    return data[:64].lstrip()[:1] in (b"{", b"[")
 
 
 def _of_json(data: bytes, file: str, limits: Limits) -> list[ImageEntry]:

@@ -38,9 +38,10 @@ def read_rtstruct(
     """The study in the RT Structure Sets among `files` (by name); the others tell of their images.
 
     Names of regions that mean nothing are left out with a warning, never guessed. Frames come
-    from ED and ES in names, else from the times of the images (their DICOM headers or a geometry
-    table), else each file is a frame where files outline the same planes. Of the patient nothing
-    is taken: the subject is `subject_id`.
+    from ED and ES in their names, else from the times of the images (their DICOM headers or a
+    geometry table), else from ED and ES in the names of all files, else each file is a frame
+    where files outline the same planes. Of the patient nothing is taken: the subject is
+    `subject_id`.
 
     Args:
         files: RT Structure Sets, and as wished DICOM images or geometry tables.
@@ -52,7 +53,7 @@ def read_rtstruct(
         InputError: no region with a known name, a file that cannot be read, too much of it, or
             contours whose instants cannot be told apart.
     """
-    sets = {n: d for n, d in files.items() if is_dicom(d) and is_structure_set(d)}
+    sets = {name: data for name, data in files.items() if looks_like_rtstruct(data)}
     rest = {name: data for name, data in files.items() if name not in sets}
     if not sets:
         # Another kind of file is refused for what it is.
@@ -75,6 +76,11 @@ def read_rtstruct(
     return replace(imported, warnings=(*imported.warnings, *_readings(imported.study)))
 
 
+def looks_like_rtstruct(data: bytes) -> bool:
+    """Whether a file is an RT Structure Set, by what it begins with."""
+    return is_dicom(data) and is_structure_set(data)
+
+
 def _check_names(sets: Iterable[StructureSet], structures: Mapping[str, Structure]) -> None:
     found = list(sets)
     known = [name for one in found for name in one.known]
@@ -95,19 +101,30 @@ def _check_names(sets: Iterable[StructureSet], structures: Mapping[str, Structur
 def _by_file(
     read: Mapping[str, StructureSet], images: Images, limits: Limits
 ) -> list[FoundContour]:
-    """All contours; where nothing else tells instants apart, labelled by their file."""
-    by_file = [
-        [c if c.instant else replace(c, instant=_instant_of_name(name)) for c in one.contours]
-        for name, one in read.items()
-    ]
+    """All contours; where neither regions nor images tell instants apart, labelled by their file:
+    as all files are called, else by number where files outline the same planes.
+    """
+    by_file = [one.contours for one in read.values()]
     contours = [contour for one in by_file for contour in one]
     check_counts([len(c.points_mm) for c in contours], limits)
-    timed = any(
-        i.temporal_position is not None or i.trigger_ms is not None for i in images.values()
-    )
-    if timed or any(c.instant for c in contours) or not _share_planes(by_file, images):
+    if any(c.instant for c in contours) or all(_is_timed(c, images) for c in contours):
         return contours
-    return [replace(c, instant=f"t{n:02d}") for n, one in enumerate(by_file) for c in one]
+    called = [one.instant or understood(PurePath(n).stem, {}).instant for n, one in read.items()]
+    labels = [label or "" for label in called]
+    if not all(labels):
+        if not _share_planes(by_file, images):
+            return contours
+        labels = [f"t{number:02d}" for number in range(len(by_file))]
+    return [
+        replace(c, instant=label) for label, one in zip(labels, by_file, strict=True) for c in one
+    ]
+
+
+def _is_timed(contour: FoundContour, images: Images) -> bool:
+    image = images.get(contour.image)
+    return image is not None and (
+        image.temporal_position is not None or image.trigger_ms is not None
+    )
 
 
 def _share_planes(by_file: Sequence[Sequence[FoundContour]], images: Images) -> bool:
@@ -121,10 +138,6 @@ def _share_planes(by_file: Sequence[Sequence[FoundContour]], images: Images) -> 
         for i in plane.contours
     }
     return len(outlined) > len({(structure, plane) for structure, plane, _ in outlined})
-
-
-def _instant_of_name(file: str) -> str | None:
-    return understood(PurePath(file).stem, {}).instant
 
 
 def _left_out(sets: Iterable[StructureSet]) -> list[str]:

@@ -55,13 +55,15 @@ _FARTHEST_MM = 1e7
 class StructureSet:
     """What one file holds of the ventricles. `unknown`: names that mean no structure.
 
-    left_out: why contours of the ventricles were left out, and how many.
+    left_out: why contours of the ventricles were left out, and how many. instant: ED or ES where
+    a label of the whole file says it.
     """
 
     contours: list[FoundContour] = field(default_factory=list)
     known: list[str] = field(default_factory=list)
     unknown: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
+    instant: str | None = None
 
 
 def read_structure_set(
@@ -81,8 +83,7 @@ def read_structure_set(
         )
     letters = character_set(dataset)
     of_file = [understood(names(dataset, tag, letters), {}).instant for tag in _LABELS]
-    instant = next((said for said in of_file if said), None)
-    found = StructureSet()
+    found = StructureSet(instant=next((said for said in of_file if said), None))
     means = _meanings(dataset, file, structures, letters, found)
     for roi in items(dataset, _ROI_CONTOURS, file):
         meaning = means.get(text(roi, _REFERENCED_ROI))
@@ -97,7 +98,7 @@ def read_structure_set(
                     closed=closed,
                     points_mm=outline,
                     image=image,
-                    instant=meaning.instant or instant,
+                    instant=meaning.instant,
                     view=meaning.view,
                 )
                 for outline in outlines

@@ -1,7 +1,10 @@
 """RT Structure Sets: what is written comes back, and what is not sure is said."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from pydicom.data import get_testdata_file
 from pydicom.uid import (
     DeflatedExplicitVRLittleEndian,
     ExplicitVRLittleEndian,
@@ -136,6 +139,7 @@ def test_temporal_positions_of_the_images_make_frames() -> None:
         for t, n in (("1", 12), ("2", 3))
         for i in range(3)
     }
+    files["Ed.dcm"] = files.pop("rs")  # a name of a file says less than images do
     frames = read_rtstruct(files).study.frames
     assert [f.label for f in frames] == ["t03", "t12"]
     assert [f.time_ms for f in frames] == pytest.approx([91, 361])
@@ -186,9 +190,26 @@ def test_points_and_curves_in_space_are_left_out_and_counted() -> None:
     assert "1 contours have fewer than three points" in said
 
 
-def test_nothing_of_the_patient_comes_in(beat: ContourStudy) -> None:
+@pytest.mark.parametrize("syntax", SYNTAXES[:2])
+def test_a_data_set_without_the_header_of_files_is_read(syntax: str) -> None:
+    data = rtstruct([("LV_ENDO", stack([0, 8, 16]))], syntax)
+    start = data.index(b"\x08\x00\x16\x00")
+    assert len(read_rtstruct({"a": data[start:]}).study.frames[0].slices) == 3
+
+
+def test_a_structure_set_of_another_program() -> None:
+    """pydicom's example: no header, boxes across the body under a name of no structure."""
+    data = Path(get_testdata_file("rtstruct.dcm")).read_bytes()
+    assert "'patient'" in refused({"a": data})
+    imported = read_rtstruct({"a": data}, structures={"Patient": Structure.LV_EPI})
+    assert [len(s.contours[0].points) for s in imported.study.frames[0].slices] == [4, 5, 5]
+
+
+def test_nothing_of_the_patient_comes_in(
+    beat: ContourStudy, caplog: pytest.LogCaptureFixture
+) -> None:
     imported = read_rtstruct({"Doe.dcm": rtstruct([*rois_of(beat, SUFFIX), ("x", [])])})
-    said = imported.study.model_dump_json() + " ".join(imported.warnings)
+    said = imported.study.model_dump_json() + " ".join(imported.warnings) + caplog.text
     assert imported.study.subject_id == "subject"
     assert not any(word in said for word in ("Doe", "MRN", "19611224"))
     assert (

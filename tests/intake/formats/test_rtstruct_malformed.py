@@ -46,9 +46,9 @@ def refusal(data: bytes, limits: Limits | None = None, **more: bytes) -> InputEr
 @pytest.mark.parametrize(
     ("data", "words"),
     [
-        (b"", "preamble"),
-        (b"solid nothing", "preamble"),
-        (GOOD[132:], "preamble"),
+        (b"", "neither"),
+        (b"solid nothing", "neither"),
+        (GOOD[132:], "neither"),
         (GOOD[:-5], "ends within"),
         (GOOD[: len(GOOD) // 2], "ends within"),
         (GOOD[:140], "transfer syntax"),
