@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from intake.formats.clinical_faults import too_large
+from intake.formats.clinical_faults import too_large, unusable
 from intake.formats.found_contour import FoundContour
 from intake.formats.found_planes import FoundPlane, found_planes
 from intake.formats.image_geometry import Images
@@ -13,6 +13,9 @@ from intake.formats.instants import Instant, check_one_image_a_plane, instants
 from intake.limits import Limits
 from schemas.study import Contour, ContourStudy, Frame, Point, Slice
 from schemas.vocabulary import Axes, Units
+
+_FARTHEST_MM = 1e7
+"""As of the study's coordinates."""
 
 
 def assembled(
@@ -28,9 +31,13 @@ def assembled(
     A plane without a contour in a frame is left out of it: nothing is known to be absent there.
 
     Raises:
-        InputError: more than `limits`; contours whose plane or instant cannot be told.
+        InputError: more than `limits`; contours whose place, plane or instant cannot be told.
     """
     check_counts([len(c.points_mm) for c in contours], limits)
+    if not all(np.abs(c.points_mm).max() <= _FARTHEST_MM for c in contours):
+        raise unusable(
+            "a contour lies kilometres away", "send it with the geometry of the image it is on"
+        )
     moments, of_time = instants(contours, images)
     kept = [contour for moment in moments for contour in moment.contours]
     planes, of_views = found_planes(kept, images)

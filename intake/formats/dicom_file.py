@@ -79,7 +79,8 @@ def read_dicom(
 
 def raw(dataset: "Dataset", tag: int) -> bytes:
     """The value of an element as bytes; empty where there is none."""
-    value = dataset.get_item(tag).value if tag in dataset else None
+    element = dataset.get_item(tag, keep_deferred=True) if tag in dataset else None
+    value = None if element is None else element.value
     return value if isinstance(value, bytes) else b""
 
 
@@ -121,7 +122,7 @@ def items(dataset: "Dataset", tag: int, file: str) -> Iterator["Dataset"]:
     """
     if tag not in dataset:
         return
-    element = dataset.get_item(tag)
+    element = dataset.get_item(tag, keep_deferred=True)
     if element.VR not in ("SQ", None):
         raise _damaged(file, "has a value where there should be a sequence")
     try:

@@ -26,6 +26,7 @@ _TEMPORAL_POSITION = 0x00200100
 _PIXEL_SPACING = 0x00280030
 
 _MOST = 1e5
+_FARTHEST_MM = 1e7
 _NOT_SQUARE = 1e-2
 """How far directions may be from unit length and from a right angle."""
 
@@ -76,7 +77,7 @@ def geometry(
     off = abs(lengths[0] - 1), abs(lengths[1] - 1), abs(float(row @ column))
     if max(off) > _NOT_SQUARE:
         return None
-    if not (spacing > 0).all():
+    if not (spacing > 0).all() or max(np.abs(position).max(), spacing.max()) > _FARTHEST_MM:
         return None
     return ImageGeometry(
         position_mm=position,

@@ -242,6 +242,10 @@ def test_coordinates_that_are_no_finite_numbers(value: bytes) -> None:
     assert error.pointer == "w"
 
 
+def test_pixels_that_are_kilometres_away() -> None:
+    assert "kilometres" in refusal({"w": GOOD.replace(b">4<", b">1e-9<"), "t": TABLE}).detail
+
+
 def test_a_point_without_its_other_half() -> None:
     start = GOOD.index(b":x>320.0")
     before = GOOD.rindex(b"<", 0, start)

@@ -53,6 +53,7 @@ def refusal(data: bytes, limits: Limits | None = None, **more: bytes) -> InputEr
         (GOOD[: len(GOOD) // 2], "ends within"),
         (GOOD[:140], "transfer syntax"),
         (GOOD[:132], "transfer syntax"),
+        (GOOD.replace(b"\x02\x00\x10\x00UI\x14", b"\x02\x00\x10\x00U\0\0"), "transfer syntax"),
         (GOOD.replace(b"1.2.840.10008.1.2.1\0", b"1.2.999.10008.1.2.1\0"), "transfer syntax"),
         (GOOD[:START] + IMPLICIT[IMPLICIT.index(b"\x08\x00\x16\x00") :], "value representation"),
     ],
