@@ -198,6 +198,12 @@ class Options(WireModel):
         description="How many more fits, with other seeds, to tell from their spread how certain "
         "every vertex is. Each costs as long as the fit itself.",
     )
+    tracked_meshes: bool = Field(
+        default=False,
+        description="Carry one mesh of each surface through all frames of a study that has three "
+        "or more, and write it for every frame beside the frame's own. Tangential motion and twist "
+        "are not observed.",
+    )
     compare_with: list[str] = Field(
         default_factory=list, max_length=0, description="Reserved: no method is offered yet."
     )
@@ -231,6 +237,14 @@ class Options(WireModel):
             raise ValueError(
                 f"target_edge_mm is {edge_mm:g}, finer than the {grid_mm:g} mm grid that the "
                 f"surface is taken from; set mesh.grid_mm to {edge_mm:g}, or a longer edge"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _tracked_are_closed(self) -> Self:
+        if self.tracked_meshes and self.base is Base.OPEN:
+            raise ValueError(
+                "tracked_meshes carries closed surfaces; leave `base` closed, or tracked_meshes out"
             )
         return self
 

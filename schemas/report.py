@@ -7,7 +7,8 @@ from pydantic import Field
 from schemas.base import WireModel
 from schemas.frame_report import FrameReport
 from schemas.options import Options
-from schemas.vocabulary import Axes
+from schemas.tracking_report import TrackedSurfaceReport
+from schemas.vocabulary import Axes, Structure
 
 
 class FunctionReport(WireModel):
@@ -59,6 +60,9 @@ class Report(WireModel):
     axes: Axes
     frames: list[FrameReport]
     function: FunctionReport | None = None
+    tracking: dict[Structure, TrackedSurfaceReport] = Field(
+        default_factory=dict, description="Empty unless `tracked_meshes` was asked for."
+    )
     warnings: list[str] = Field(default_factory=list)
     concerns: list[Concern] = Field(description="What to worry about, the gravest first.")
     timings_s: dict[str, float]

@@ -17,6 +17,7 @@ from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
 from schemas.surface_name import SurfaceName
+from schemas.vocabulary import Axes, Structure
 from worker.artifacts.manifest import describe
 from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
@@ -29,6 +30,8 @@ from worker.reconstruction.result import Reconstruction
 from worker.stage_clock import StageClock
 from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
+from worker.tracked_meshes import tracked_surfaces
+from worker.tracking.tracked_surface import TrackedSurface
 
 _RECONSTRUCTED = 0.95
 """Fraction of the work that is done when the surfaces are there; the rest is measuring, writing."""
@@ -83,16 +86,19 @@ def run(
     admission = admit(study, options, limits, pointer=pointer)
     reconstruction = _reconstruct(study, options, threads, clock, checkpoints)
     _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
+    tracked, untracked = tracked_surfaces(reconstruction, options, clock)
     unwritten = measure(
         reconstruction,
         options=options,
-        warnings=[*warnings, *admission],
+        warnings=[*warnings, *admission, *untracked],
         provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
         references=references,
+        tracked=tracked,
         observer=clock,
     )
     _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
     _write_meshes(unwritten, options, out_dir, job_id)
+    _write_tracked(tracked, study.axes, options, out_dir, job_id)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"
@@ -137,6 +143,21 @@ def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: s
                 path = out_dir / f"{name}.{form}"
                 axes = measured.report.axes
                 write_mesh(path, surface.mesh, name, axes, surface.fields, job_id=job_id)
+
+
+def _write_tracked(
+    tracked: Mapping[Structure, TrackedSurface],
+    axes: Axes,
+    options: Options,
+    out_dir: Path,
+    job_id: str | None,
+) -> None:
+    for structure, surface in tracked.items():
+        for index, frame in enumerate(surface.frames):
+            name = str(SurfaceName(frame.label, structure))
+            for form in dict.fromkeys(options.formats):
+                path = out_dir / f"{name}_tracked.{form}"
+                write_mesh(path, surface.mesh(index), name, axes, job_id=job_id)
 
 
 @dataclass(frozen=True)

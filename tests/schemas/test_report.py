@@ -28,10 +28,11 @@ PURE = {
     # counts
     "vertices", "faces", "euler_number", "components", "count", "counts", "beyond", "crossings",
     "self_intersecting_triangles", "crossing_triangles", "planes", "points", "samples", "level",
-    "seed", "threads",
+    "seed", "threads", "triangles", "turned_over", "against_surface", "folded",
+    "self_intersections",
     # ratios
     "dice", "dice_mean", "dice_min", "sphericity", "aspect_ratio_mean", "aspect_ratio_p95",
-    "aspect_ratio_max",
+    "aspect_ratio_max", "area_ratio_min", "area_ratio_max",
     # losses, as docs/method.md defines them
     "bce", "hinge", "total",
 }  # fmt: skip

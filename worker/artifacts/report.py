@@ -13,9 +13,11 @@ from worker.artifacts.frame_report import measured_frame
 from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
 from worker.artifacts.support_warnings import support_warnings
+from worker.artifacts.tracking_report import tracking_report
 from worker.observer import Observer, Unobserved
 from worker.reconstruction.result import FrameFit, Reconstruction
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.tracked_surface import TrackedSurface
 
 
 def measure(
@@ -25,6 +27,7 @@ def measure(
     warnings: Sequence[str],
     provenance: Provenance,
     references: Mapping[str, SurfaceMesh] | None = None,
+    tracked: Mapping[Structure, TrackedSurface] | None = None,
     observer: Observer | None = None,
 ) -> Measured:
     """Measure a reconstruction.
@@ -36,6 +39,7 @@ def measure(
     other, a warning is added. Times are not known yet: see `timed`.
 
     references: by surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
+    tracked: the surfaces that were carried through the frames.
 
     Raises:
         InternalError: for a surface that faces inward, or that no contour was observed of.
@@ -57,6 +61,7 @@ def measure(
         axes=reconstruction.axes,
         frames=frames,
         function=function,
+        tracking=tracking_report(tracked or {}),
         warnings=said,
         concerns=concerns(frames, said, function=function, open_base=options.base is Base.OPEN),
         timings_s={},

@@ -1,0 +1,61 @@
+"""A study of three frames leaves tracked meshes beside the frames' own."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from schemas.options import Options
+from schemas.report import Report
+from schemas.vocabulary import Structure
+from worker.mesh_file import read_surface
+from worker.phantom.standard_study import standard_study
+from worker.subject import run
+
+QUICK = {
+    "preset": "fast",
+    "levels": 2,
+    "iterations_per_level": 60,
+    "mesh": {"grid_mm": 4.0},
+    "formats": ["ply"],
+    "surfaces": ["lv_endo"],
+    "target_edge_mm": 4.0,
+    "tracked_meshes": True,
+}
+
+
+def reported(phases: dict[str, float], out_dir: Path) -> Report:
+    study = standard_study(phases, edge_mm=3.0)
+    options = Options.model_validate(QUICK)
+    return run(study, options, out_dir, threads=1, input_sha256="a" * 64).report
+
+
+def test_every_frame_has_the_same_triangles_in_another_place(tmp_path: Path) -> None:
+    report = reported({"ED": 0.0, "A": 0.5, "ES": 1.0}, tmp_path)
+    tracked = report.tracking[Structure.LV_ENDO]
+    assert tracked.rest_frame == "ED"
+    assert "twist" in tracked.not_observed
+    assert list(tracked.frames) == ["ED", "A", "ES"]
+    meshes = [read_surface(tmp_path / f"{frame}_lv_endo_tracked.ply") for frame in tracked.frames]
+    for frame, mesh in zip(tracked.frames, meshes, strict=True):
+        assert (mesh.faces == meshes[0].faces).all()
+        assert len(mesh.vertices_mm) == tracked.vertices
+        measured = tracked.frames[frame]
+        assert measured.to_surface_mm.mean < 0.2
+        assert (measured.turned_over, measured.self_intersections) == (0, 0)
+    own = read_surface(tmp_path / "ED_lv_endo.ply")
+    assert np.array_equal(own.vertices_mm, meshes[0].vertices_mm)
+    assert not any("tracked" in warning for warning in report.warnings)
+
+
+def test_two_frames_are_too_few_and_it_is_said(tmp_path: Path) -> None:
+    report = reported({"ED": 0.0, "ES": 1.0}, tmp_path)
+    assert not report.tracking
+    assert any("lv_endo was not tracked: 2 frames" in warning for warning in report.warnings)
+    assert not list(tmp_path.glob("*_tracked*"))
+
+
+def test_an_open_base_is_refused() -> None:
+    with pytest.raises(ValidationError, match="leave `base` closed"):
+        Options.model_validate({"base": "open", "tracked_meshes": True})

@@ -1,0 +1,62 @@
+"""The whole of tracking: surfaces of all frames in, one mesh carried through them out."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from worker.observer import Cancelled, Observer, Unobserved
+from worker.surface_mesh import SurfaceMesh
+from worker.tracking.carrier import Carried, Carrier
+from worker.tracking.frame_measures import measured
+from worker.tracking.frame_surface import FrameSurface
+from worker.tracking.tracked_surface import TrackedSurface
+from worker.tracking.untangling import Untangler
+
+
+def track(
+    rest: SurfaceMesh,
+    surfaces: Sequence[tuple[str, SurfaceMesh]],
+    rest_frame: int,
+    observer: Observer | None = None,
+) -> TrackedSurface:
+    """Carry `rest` onto the surface of every frame, in order from its own, round the cycle.
+
+    Args:
+        rest: Even triangles on the surface of frame `rest_frame`; closed, outward, mm.
+        surfaces: Label and closed, outward surface of every frame, mm, in order of time.
+        rest_frame: Index of the frame that `rest` is of, end-diastole as a rule.
+        observer: Asked at each frame whether to stop.
+
+    At `rest_frame` the result is `rest` itself. Deterministic. Raises ValueError for a mesh that is
+    not closed, InternalError for a surface without faces, Cancelled when asked to stop.
+    """
+    watcher = observer or Unobserved()
+    carrier, untangler = Carrier(rest), Untangler(rest)
+    count = len(surfaces)
+    vertices = np.empty((count, *rest.vertices_mm.shape))
+    frames = {}
+    now = before = Carried(rest.vertices_mm, rest.vertices_mm)
+    for passed in range(count + 1):
+        if watcher.is_cancelled():
+            raise Cancelled
+        index = (rest_frame + passed) % count
+        label, mesh = surfaces[index]
+        surface = FrameSurface(mesh)
+        if passed:
+            carried = carrier.carried(now, surface)
+            sound = untangler.untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface)
+            before, now = now, Carried(sound.vertices_mm, carried.copy_mm)
+        if passed < count:
+            vertices[index] = now.vertices_mm
+            frames[index] = measured(
+                label, SurfaceMesh(now.vertices_mm, rest.faces), surface, rest, before.vertices_mm
+            )
+    drift_mm = np.linalg.norm(now.vertices_mm - rest.vertices_mm, axis=1)
+    return TrackedSurface(
+        vertices_mm=vertices,
+        faces=rest.faces,
+        rest=rest_frame,
+        frames=tuple(frames[index] for index in range(count)),
+        drift_mean_mm=float(drift_mm.mean()),
+        drift_max_mm=float(drift_mm.max()),
+    )
