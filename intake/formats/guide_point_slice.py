@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from intake.formats.faults import unreadable
 from intake.formats.guide_point_rows import GuidePoint
-from intake.formats.guide_point_types import OPENINGS, PIECES, SEPTUM, view_and_kind
+from intake.formats.guide_point_types import MARKERS, OPENINGS, PIECES, SEPTUM, view_and_kind
+from intake.formats.outline_runs import runs_of
 from intake.formats.slice_info import ImagePlane
 from intake.formats.whole_outline import WholeOutline, whole_outline
 from schemas.study import Contour, Slice
@@ -18,8 +19,8 @@ Array = NDArray[np.float64]
 
 _NOTED_MM = 0.1
 _OFF_PLANE_MM = 5.0
-_MOST_POINTS = 2000
-"""Of one type on one slice: ten times what any outline needs."""
+_MOST_POINTS = 1000
+"""Of one type on one slice: five times what any outline needs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,15 +45,16 @@ class GuideSlice:
         plane = self.plane or _fitted(np.concatenate(list(pieces.values())))
         warnings = self._check_flat(rows, plane)
         flat = {kind: (p - plane.origin_mm) @ plane.directions.T for kind, p in pieces.items()}
+        runs = {kind: runs_of(p) for kind, p in flat.items() if kind not in MARKERS}
         contours = []
         for structure, of in PIECES.items():
-            wall = [flat[kind] for kind in of.wall if kind in flat]
+            wall = [runs[kind] for kind in of.wall if kind in runs]
             if not wall:
                 continue
             valves = [flat[valve] for valve in OPENINGS[structure] if valve in flat]
             made = whole_outline(
                 wall,
-                flat.get(SEPTUM) if of.septum else None,
+                runs.get(SEPTUM) if of.septum else None,
                 long_axis=self.view is not View.SAX,
                 valve=np.concatenate(valves) if valves else None,
             )

@@ -13,6 +13,7 @@ from intake.formats.slice_info import ImagePlane, looks_like_slice_info, read_sl
 from intake.formats.told_views import told_view
 from intake.limits import Limits
 from schemas.contour_files import GuidePointSettings
+from schemas.problem import InputError, ProblemType
 from schemas.study import ContourStudy, Frame, Slice
 from schemas.vocabulary import Axes, Units, View
 
@@ -37,6 +38,7 @@ def read_guide_points(
     settings, limits = settings or GuidePointSettings(), limits or Limits()
     planes = _planes(files)
     frames = _frames(files, limits)
+    _check_count(frames, limits)
     warnings = _about_rows(frames)
     views, unsure = _views(frames, settings)
     warnings += unsure
@@ -101,6 +103,22 @@ def _frames(files: Mapping[str, bytes], limits: Limits) -> dict[str, tuple[str, 
         left -= len(rows)
         frames[label] = (name, rows)
     return frames
+
+
+def _check_count(frames: Mapping[str, tuple[str, list[GuidePoint]]], limits: Limits) -> None:
+    """Refuse more frames or pieces of outlines than a study may have, before any is ordered."""
+    pieces = {(f, row.slice, row.contour_type) for f, (_, rows) in frames.items() for row in rows}
+    for found, most, what in (
+        (len(frames), limits.max_frames, "frames"),
+        (len(pieces), 2 * limits.max_contours, "pieces of outlines"),
+    ):
+        if found > most:
+            raise InputError(
+                ProblemType.TOO_LARGE,
+                f"{found} {what}; at most {most} are accepted. Remedy: send fewer frames a job.",
+                pointer="file",
+                status=413,
+            )
 
 
 def _about_rows(frames: Mapping[str, tuple[str, list[GuidePoint]]]) -> list[str]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import permutations, product
+from itertools import pairwise, permutations, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,14 +54,19 @@ def join(runs: Sequence[Array], open_at: Array | None = None) -> Joined:
 
 
 def _shortest(runs: Sequence[Array]) -> list[Array]:
+    if len(runs) == 1:
+        return list(runs)
     if len(runs) <= _EXHAUSTIVE:
-        first, *rest = runs
+        # Of run k, end 2k comes first as it is told, end 2k + 1 last.
+        ends = np.concatenate([run[[0, -1]] for run in runs])
+        apart = np.linalg.norm(ends[:, None] - ends[None, :], axis=2).tolist()
         ways = (
-            [first, *(rest[i][::turn] for i, turn in zip(order, turns, strict=True))]
-            for order in permutations(range(len(rest)))
-            for turns in product((1, -1), repeat=len(rest))
+            [0, *(2 * i + turn for i, turn in zip(order, turns, strict=True))]
+            for order in permutations(range(1, len(runs)))
+            for turns in product((0, 1), repeat=len(runs) - 1)
         )
-        return min(ways, key=_joints)
+        best = min(ways, key=lambda way: _joints(way, apart))
+        return [runs[one // 2][:: -1 if one % 2 else 1] for one in best]
     left = list(runs)
     way = [left.pop(int(np.argmax([len(run) for run in left])))]
     while left:
@@ -77,5 +82,6 @@ def _shortest(runs: Sequence[Array]) -> list[Array]:
     return way
 
 
-def _joints(way: Sequence[Array]) -> float:
-    return sum(float(np.linalg.norm(way[k][0] - way[k - 1][-1])) for k in range(len(way)))
+def _joints(way: Sequence[int], apart: Sequence[Sequence[float]]) -> float:
+    """Length of all joints of runs that are entered at these ends, the way closed."""
+    return sum(apart[one ^ 1][other] for one, other in pairwise([*way, way[0]]))

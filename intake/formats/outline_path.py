@@ -11,12 +11,18 @@ LONG_STEP = 4.0
 
 _FEW_GAPS = 4
 _NEIGHBOURS = 8
-_MOST_PASSES = 30
+_MOST_TURNS = 900
+"""Points looked at for a stretch to turn: what bounds the time that noise can take."""
+
+_BLOCK = 512
 
 
 def typical_step(points: Array) -> float:
     """Median distance of a point (n, 2) to its nearest neighbour; n >= 2, no repeats."""
-    return float(np.median(_neighbours(points, 1)[1][:, 0]))
+    nearest = [
+        np.sqrt(_squared(points, first).min(axis=1)) for first in range(0, len(points), _BLOCK)
+    ]
+    return float(np.median(np.concatenate(nearest)))
 
 
 def in_order(points: Array) -> Index:
@@ -40,15 +46,22 @@ def _neighbours(points: Array, count: int) -> tuple[Index, Array]:
     count = min(count, len(points) - 1)
     index = np.empty((len(points), count), dtype=np.intp)
     length = np.empty((len(points), count))
-    for first in range(0, len(points), 512):
-        block = points[first : first + 512]
-        squared = ((block[:, None, :] - points[None, :, :]) ** 2).sum(axis=2)
-        rows = np.arange(len(block))
-        squared[rows, first + rows] = np.inf
-        near = np.argsort(squared, axis=1, kind="stable")[:, :count]
-        index[first : first + 512] = near
-        length[first : first + 512] = np.sqrt(squared[rows[:, None], near])
+    for first in range(0, len(points), _BLOCK):
+        squared = _squared(points, first)
+        near = np.argpartition(squared, count - 1, axis=1)[:, :count]
+        index[first : first + _BLOCK] = near
+        length[first : first + _BLOCK] = np.sqrt(np.take_along_axis(squared, near, axis=1))
     return index, length
+
+
+def _squared(points: Array, first: int) -> Array:
+    """Squared distances of a block of points from all, infinite from themselves."""
+    block = points[first : first + _BLOCK]
+    dx, dy = (block[:, None, k] - points[None, :, k] for k in (0, 1))
+    squared: Array = dx * dx + dy * dy
+    rows = np.arange(len(block))
+    squared[rows, first + rows] = np.inf
+    return squared
 
 
 def _linked(points: Array) -> Index:
@@ -97,7 +110,7 @@ def _uncrossed(points: Array, path: Index) -> Index:
     """The path with stretches turned round while that makes it shorter; its ends may move."""
     path = path.copy()
     idle = 0
-    for _ in range(_MOST_PASSES):
+    for _ in range(_MOST_TURNS // len(path)):
         path = path[::-1].copy()  # a turn moves the far end: each has to be the far one
         improved = False
         for i in range(len(path) - 1):

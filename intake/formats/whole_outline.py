@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from intake.crossing_edges import crossing_edges
 from intake.formats.outline_joining import Joined, join
 from intake.formats.outline_path import LONG_STEP, typical_step
-from intake.formats.outline_runs import distinct, runs_of
+from intake.formats.outline_runs import Runs, distinct
 from intake.simplicity import CROSSED_SHARE, shoelace_mm2
 
 Array = NDArray[np.float64]
@@ -24,6 +24,9 @@ _OPEN_SHARE = 0.45
 
 _COMPLETES = 0.7
 """How much smaller the septum has to make the share that is open, to be what is missing there."""
+
+_MOST_RUNS = 12
+"""Pieces beyond which points are no outline."""
 
 _END = 0.25
 """Share of a piece, from either end, in which it may run past the septum's end."""
@@ -43,26 +46,27 @@ class WholeOutline:
 
 
 def whole_outline(
-    wall: Sequence[Array], septum: Array | None, *, long_axis: bool, valve: Array | None
+    wall: Sequence[Runs], septum: Runs | None, *, long_axis: bool, valve: Array | None
 ) -> WholeOutline:
-    """One outline from pieces (n, 2) in one plane.
+    """One outline from pieces in one plane.
 
     Args:
-        wall: the structure's own pieces, at least one with points.
-        septum: points that complete it where the wall alone leaves it open.
+        wall: the structure's own pieces, at least one.
+        septum: what completes it where the wall alone leaves it open.
         long_axis: the outline may be open at a valve; else it is closed.
         valve: points (k, 2) of the valve that it is open at.
     """
-    cleaned = [runs_of(piece) for piece in wall if len(piece)]
-    runs = [run for one in cleaned for run in one.runs]
+    runs = [run for one in wall for run in one.runs]
+    spikes = sum(one.spikes for one in wall)
+    if len(runs) > _MOST_RUNS:
+        return WholeOutline(runs[0], False, spikes, f"is in {len(runs)} pieces")
     joined = join(runs, valve)
-    if septum is not None and len(septum):
-        border = runs_of(septum)
-        ends = np.concatenate([run[[0, -1]] for run in border.runs])
-        completed = join([*(_trimmed(run, ends) for run in runs), *border.runs], valve)
-        if not _is_ring(joined) and _open_share(completed) < _COMPLETES * _open_share(joined):
-            joined, cleaned = completed, [*cleaned, border]
-    return _judged(joined, sum(c.spikes for c in cleaned), long_axis)
+    if septum is not None and len(septum.runs) <= _MOST_RUNS and not _is_ring(joined):
+        ends = np.concatenate([run[[0, -1]] for run in septum.runs])
+        completed = join([*(_trimmed(run, ends) for run in runs), *septum.runs], valve)
+        if _open_share(completed) < _COMPLETES * _open_share(joined):
+            joined, spikes = completed, spikes + septum.spikes
+    return _judged(joined, spikes, long_axis)
 
 
 def _judged(joined: Joined, spikes: int, long_axis: bool) -> WholeOutline:
