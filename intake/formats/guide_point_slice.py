@@ -46,10 +46,15 @@ class GuideSlice:
         warnings = self._check_flat(rows, plane)
         flat = {kind: (p - plane.origin_mm) @ plane.directions.T for kind, p in pieces.items()}
         runs = {kind: runs_of(p) for kind, p in flat.items() if kind not in MARKERS}
-        contours = []
+        contours: list[Contour] = []
         for structure, of in PIECES.items():
             wall = [runs[kind] for kind in of.wall if kind in runs]
             if not wall:
+                continue
+            if structure is Structure.RV_EPI and not _has_cavity(contours):
+                warnings.append(
+                    f"{self._where}: the rv_epi outline has no rv_endo in it; it was left out."
+                )
                 continue
             valves = [flat[valve] for valve in OPENINGS[structure] if valve in flat]
             made = whole_outline(
@@ -128,6 +133,10 @@ class GuideSlice:
         if made.flaw is not None:
             said.append(f"{self._where}: the {structure} outline {made.flaw}; it was left out.")
         return said
+
+
+def _has_cavity(contours: Sequence[Contour]) -> bool:
+    return any(contour.structure is Structure.RV_ENDO for contour in contours)
 
 
 def _canonical(points_mm: Array, normal: Array, closed: bool) -> Array:

@@ -10,6 +10,8 @@ LONG_STEP = 4.0
 """Steps over the median distance to the nearest neighbour beyond which an outline has a gap."""
 
 _FEW_GAPS = 4
+_FEW_POINTS = 40
+_MUCH_LONGER = 1.3
 _NEIGHBOURS = 8
 _MOST_TURNS = 900
 """Points looked at for a stretch to turn: what bounds the time that noise can take."""
@@ -28,17 +30,29 @@ def typical_step(points: Array) -> float:
 def in_order(points: Array) -> Index:
     """Order (n,) in which distinct points (n, 2) follow one another along their piece.
 
-    As they stand where that makes few long steps. Else the shortest links first, then two links
-    exchanged for two shorter ones while there are any: a curve is found again if it is sampled
-    more closely than it comes near itself.
+    As they stand where that makes few long steps, or, of few points, not a much longer way: the
+    shortest way through a thin ring of few points is none around it. Else the shortest links first,
+    then two links exchanged for two shorter ones while there are any: a curve is found again if it
+    is sampled more closely than it comes near itself.
     """
     n = len(points)
     if n < 3:
         return np.arange(n)
+    as_told = np.arange(n)
+    if n < _FEW_POINTS:
+        found = _uncrossed(points, _linked(points))
+        is_short = _way(points) <= _MUCH_LONGER * _way(points[found])
+        return as_told if is_short else found
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     if int((steps > LONG_STEP * typical_step(points)).sum()) <= _FEW_GAPS:
-        return np.arange(n)
+        return as_told
     return _uncrossed(points, _linked(points))
+
+
+def _way(points: Array) -> float:
+    """Length of a path but for its longest step, which may be a gap."""
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    return float(steps.sum() - steps.max())
 
 
 def _neighbours(points: Array, count: int) -> tuple[Index, Array]:
