@@ -9,8 +9,23 @@ FILE = {"exists": True, "dir_okay": False, "readable": True}
 """Of an argument that names a file which has to be there."""
 
 InputArgument = Annotated[
+    list[Path] | None,
+    typer.Argument(
+        metavar="INPUT...",
+        help="Contour study, or request, as JSON; or contour files of another program, or a folder "
+        "of them: see `neuralmri convert`.",
+        exists=True,
+        readable=True,
+    ),
+]
+FormatSettings = Annotated[
     Path | None,
-    typer.Argument(metavar="INPUT", help="Contour study, or request, as JSON.", **FILE),
+    typer.Option(
+        "--format-settings",
+        help="JSON file of what contour files do not say, as in "
+        '{"guide_points": {"rr_interval_ms": 857}}.',
+        **FILE,
+    ),
 ]
 OptionsFile = Annotated[
     Path | None, typer.Option("--options", help="JSON file of options.", **FILE)

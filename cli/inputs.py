@@ -1,4 +1,4 @@
-"""What `reconstruct` and `submit` are given, read: a contour study or label maps, and options."""
+"""What `reconstruct` and `submit` are given, read: contours in some format, or label maps."""
 
 import json
 from collections.abc import Mapping, Sequence
@@ -48,33 +48,38 @@ class LabelInput:
 
 
 def read_input(
-    study_file: Path | None,
+    inputs: Sequence[Path] | None,
     maps: LabelArguments,
     options_file: Path | None,
     references: Sequence[str] = (),
+    format_settings: Path | None = None,
 ) -> ContourInput | LabelInput:
     """What the command line names. Raises InputError, also for both or neither.
 
     `references` are the arguments that name meshes, see `reference_files`.
     """
     files = reference_files(references)
-    return replace(_read_subject(study_file, maps, options_file), references=files)
+    read = _read_subject(inputs or (), maps, options_file, format_settings)
+    return replace(read, references=files)
 
 
 def _read_subject(
-    study_file: Path | None, maps: LabelArguments, options_file: Path | None
+    inputs: Sequence[Path],
+    maps: LabelArguments,
+    options_file: Path | None,
+    format_settings: Path | None,
 ) -> ContourInput | LabelInput:
     options = None
     if options_file is not None:
         options = _parsed(options_file.read_bytes(), Options)
-    if study_file is not None and not maps.files:
-        return _contours(study_file.read_bytes(), options)
-    if maps.files and study_file is None:
+    if inputs and not maps.files:
+        return read_contours(inputs, maps.subject_id, options, format_settings)
+    if maps.files and not inputs:
         return LabelInput(_label_request(maps, options or Options()), maps.files)
     raise InputError(
         ProblemType.INVALID_REQUEST,
-        "give either a contour study as INPUT, or label maps with --label-scheme and --sax "
-        "(and --lax-2ch, --lax-3ch, --lax-4ch)",
+        "give either a contour study, or contour files, as INPUT, or label maps with "
+        "--label-scheme and --sax (and --lax-2ch, --lax-3ch, --lax-4ch)",
     )
 
 
@@ -85,6 +90,23 @@ def _parsed(raw: bytes, model: type[M]) -> M:
     from intake.settings import LimitSettings
 
     return parse_json(raw, model, LimitSettings().limits())
+
+
+def read_contours(
+    inputs: Sequence[Path], subject_id: str, options: Options | None, settings: Path | None
+) -> ContourInput:
+    """A JSON document, or contour files of another program. Raises InputError."""
+    from cli.contour_files import read_contour_files
+
+    if len(inputs) == 1 and inputs[0].is_file():
+        raw = inputs[0].read_bytes()
+        if raw.lstrip()[:1] in (b"{", b"[", b"") or inputs[0].suffix.lower() == ".json":
+            return _contours(raw, options)
+    imported = read_contour_files(inputs, subject_id, settings)
+    request = ContourRequest(
+        study=imported.study, options=options or Options(), warnings=list(imported.warnings)
+    )
+    return ContourInput(request, "/study")
 
 
 def _contours(raw: bytes, options: Options | None) -> ContourInput:

@@ -13,6 +13,7 @@ from cli.ablate import ablate
 from cli.audit import audit
 from cli.cancel import cancel
 from cli.console import complain
+from cli.convert import convert
 from cli.demo import demo
 from cli.download import download
 from cli.erase import erase
@@ -52,6 +53,7 @@ app.command()(rerun)
 app.command()(evaluate)
 app.command()(ablate)
 app.command("slice")(slice_)
+app.command()(convert)
 app.command()(audit)
 app.command()(phantom)
 app.command()(demo)

@@ -10,6 +10,7 @@ import typer
 from cli.console import say, say_json
 from cli.effort import tell_effort
 from cli.input_arguments import (
+    FormatSettings,
     InputArgument,
     JsonFlag,
     OptionsFile,
@@ -33,11 +34,12 @@ def reconstruct(
         int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
     ] = 1,
     reference: References = None,
+    format_settings: FormatSettings = None,
     as_json: JsonFlag = False,
 ) -> None:
     """Reconstruct one subject here and now, and write the same artifacts as a job."""
     bind_libraries(threads)
-    given = read_input(study, maps, options, reference or ())
+    given = read_input(study, maps, options, reference or (), format_settings)
 
     # The science, and only now: it takes seconds to load.
     from cli.reading import reading_of

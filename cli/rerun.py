@@ -51,7 +51,7 @@ def rerun(
     Exit code 0: the same. 1: not the same.
     """
     with tempfile.TemporaryDirectory(prefix="neuralmri-rerun-") as scratch:
-        is_given = study is not None or maps.sax is not None
+        is_given = bool(study) or maps.sax is not None
         address = job_at(job)
         if address is None:
             then, request = results_in(Path(job)), None

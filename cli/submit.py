@@ -8,6 +8,7 @@ import typer
 from cli.console import notice_console, say, say_json
 from cli.effort import tell_effort
 from cli.input_arguments import (
+    FormatSettings,
     InputArgument,
     JsonFlag,
     OptionsFile,
@@ -40,6 +41,7 @@ def submit(
     *,
     maps: LabelArguments,
     reference: References = None,
+    format_settings: FormatSettings = None,
     as_json: JsonFlag = False,
 ) -> None:
     """Send one subject to a server; with --wait follow it and fetch the results."""
@@ -50,7 +52,7 @@ def submit(
 
     if out is not None and not wait:
         raise InputError(ProblemType.INVALID_REQUEST, "--out needs --wait: add it")
-    given = read_input(study, maps, options, reference or ())
+    given = read_input(study, maps, options, reference or (), format_settings)
     with connected(server, api_key, retry_within) as client:
         if not as_json and isinstance(given, ContourInput):
             tell_effort(given.request.study, given.request.options)

@@ -58,7 +58,7 @@ def admit(
         warnings += check_agreement(frame, extent_mm)
         warnings += check_intersections(frame, extent_mm)
     warnings += check_support(study, options, pointer)
-    return _shortened(warnings + _never_outlined(study))
+    return shortened(warnings + _never_outlined(study))
 
 
 def _never_outlined(study: ContourStudy) -> list[str]:
@@ -72,6 +72,7 @@ def _never_outlined(study: ContourStudy) -> list[str]:
     ]
 
 
-def _shortened(warnings: list[str]) -> list[str]:
+def shortened(warnings: list[str]) -> list[str]:
+    """The warnings, or the first hundred and how many more there are."""
     more = len(warnings) - MAX_WARNINGS
     return warnings if more <= 0 else [*warnings[:MAX_WARNINGS], f"And {more} more warnings."]

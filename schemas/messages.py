@@ -1,9 +1,9 @@
 """Words between service and worker: what a job folder stores, and what the queue carries."""
 
 from datetime import datetime
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from schemas.base import FolderName, Name, WireModel
 from schemas.job import Job, JobKind, JobState, Priority, Stage
@@ -22,6 +22,9 @@ RECONSTRUCT_QUEUE = "neuralmri"
 QUEUES = {Priority.INTERACTIVE: RECONSTRUCT_QUEUE, Priority.BATCH: f"{RECONSTRUCT_QUEUE}-batch"}
 """Names of queues. A worker looks into them in the order of their names: interactive first."""
 
+MOST_WARNINGS = 101
+"""That come with a study: a hundred, and how many more there are."""
+
 HEARTBEAT_TASK = "neuralmri.heartbeat"
 HEARTBEAT_QUEUE = "heartbeat-neuralmri"
 """Of its own, and first by name, so that a heartbeat does not wait behind the jobs that do."""
@@ -32,6 +35,12 @@ class ContourRequest(WireModel):
 
     study: ContourStudy
     options: Options = Field(default_factory=Options)
+    warnings: list[Annotated[str, StringConstraints(max_length=1000)]] = Field(
+        default_factory=list,
+        max_length=MOST_WARNINGS,
+        description="Of the reading of other files that the study was made from: the report has "
+        "them too.",
+    )
 
 
 class Idempotency(WireModel):

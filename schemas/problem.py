@@ -54,6 +54,8 @@ class ProblemType(StrEnum):
     UNSUPPORTED_SURFACE = "unsupported-surface"
     CROSSING_STRUCTURES = "crossing-structures"
     CONTRADICTING_SLICES = "contradicting-slices"
+    # contour files of other programs
+    UNREADABLE_CONTOUR_FILE = "unreadable-contour-file"
     # label maps
     UNREADABLE_LABEL_MAP = "unreadable-label-map"
     UNSUPPORTED_LABEL_MAP = "unsupported-label-map"

@@ -39,6 +39,7 @@ from service.routes import (
     restart,
     submit_batch,
     submit_contours,
+    submit_files,
     submit_labels,
     validate,
     webhook_deliveries,
@@ -95,6 +96,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     for part in (
         submit_contours,
         submit_labels,
+        submit_files,
         submit_batch,
         validate,
         options,

@@ -18,6 +18,7 @@ _LOGGER = logging.getLogger("neuralmri.audit")
 _DONE: dict[tuple[str, str], Action] = {
     ("POST", "/v1/jobs/contours"): Action.SUBMIT,
     ("POST", "/v1/jobs/labels"): Action.SUBMIT,
+    ("POST", "/v1/jobs/files"): Action.SUBMIT,
     ("POST", "/v1/jobs/{job_id}/restart"): Action.SUBMIT,
     ("POST", "/v1/batches"): Action.SUBMIT,
     ("POST", "/v1/batches/contours"): Action.SUBMIT,

@@ -63,4 +63,6 @@ def judge_contours(upload: FormUpload, limits: Limits) -> JudgedContours:
     """Everything that decides whether the submission is accepted. Raises InputError."""
     request, warnings = read_contour_request(upload.request, limits)
     check_reference_surfaces(request.study, request.options, upload.references)
-    return JudgedContours(request, warnings, judge_references(upload.references, limits))
+    return JudgedContours(
+        request, [*request.warnings, *warnings], judge_references(upload.references, limits)
+    )

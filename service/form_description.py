@@ -10,10 +10,13 @@ _FILE = {"type": "string", "contentMediaType": "application/octet-stream"}
 _REFERENCE = f"^{reference_part('[A-Za-z0-9._-]{1,64}')}_({'|'.join(Structure)})$"
 
 
-def form_content(request_model: str, files: Mapping[str, str]) -> dict[str, Any]:
+def form_content(
+    request_model: str, files: Mapping[str, str], *, many: str | None = None
+) -> dict[str, Any]:
     """The `multipart/form-data` content of a request body.
 
-    request_model names the schema of the part `request`; files maps other parts to what they are.
+    request_model names the schema of the part `request`; files maps other parts to what they are;
+    many is what the parts `file` are, of which there may be several.
     """
     return {
         "schema": {
@@ -23,6 +26,9 @@ def form_content(request_model: str, files: Mapping[str, str]) -> dict[str, Any]
             "properties": {
                 "request": {"$ref": f"#/components/schemas/{request_model}"},
                 **{name: {**_FILE, "description": what} for name, what in files.items()},
+                **(
+                    {"file": {"type": "array", "items": _FILE, "description": many}} if many else {}
+                ),
             },
             "patternProperties": {
                 _REFERENCE: {
@@ -35,6 +41,9 @@ def form_content(request_model: str, files: Mapping[str, str]) -> dict[str, Any]
         },
         "encoding": {
             "request": {"contentType": "application/json"},
-            **{name: {"contentType": "application/octet-stream"} for name in files},
+            **{
+                name: {"contentType": "application/octet-stream"}
+                for name in (*files, *(["file"] if many else []))
+            },
         },
     }

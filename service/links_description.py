@@ -5,7 +5,10 @@ An answer that holds a job leads to all that is asked of a job, by the id in it;
 
 from typing import Any
 
-_JOB = ("submit_contours", "submit_labels", "restart_job", "get_job", "cancel_job")
+_JOB = (
+    *("submit_contours", "submit_labels", "submit_files"),
+    *("restart_job", "get_job", "cancel_job"),
+)
 _OF_JOB = (
     *("get_job", "job_event_stream", "cancel_job", "restart_job", "erase_job"),
     *("get_request", "get_report", "list_artifacts"),

@@ -25,6 +25,7 @@ _UNCOUNTED = ("/metrics",)
 _SUBMITTING = (
     "/v1/jobs/contours",
     "/v1/jobs/labels",
+    "/v1/jobs/files",
     "/v1/jobs/{job_id}/restart",
     "/v1/batches/contours",
 )

@@ -55,8 +55,10 @@ def _read_study(folder: JobFolder, request: JobRequest, limits: Limits, staging:
 
 
 def read_contours(request: ContourRequest) -> Reading:
-    """A contour study as sent."""
-    return Reading(request.study, request.options, (), study_sha256(request.study))
+    """A contour study as sent, with the warnings that came with it."""
+    return Reading(
+        request.study, request.options, tuple(request.warnings), study_sha256(request.study)
+    )
 
 
 def read_labels(files: Mapping[View, Path], request: LabelRequest, limits: Limits) -> Reading:

@@ -16,12 +16,15 @@ ROOT = Path(__file__).parents[2]
 SETTINGS: Mapping[str, str] = {
     # A target of webhooks that needs no name server, see schemathesis_hooks.py.
     "NEURALMRI_WEBHOOK_ALLOW": "127.0.0.0/8",
+    # The tool asks each operation without a key, more often than one address may be refused.
+    "NEURALMRI_REFUSALS_PER_MINUTE": "0",
 }
 """What the service is started with."""
 
 # All checks are on. Three are told what no schema says, each where it applies and nowhere else:
-# - a study, a label map, a key that was used or options of an ended job may fit the schema and be
-#   judged unfit: 409, 413, 422. That good ones are accepted is what the statuses' counts show.
+# - a study, a label map, a contour file, a key that was used or options of an ended job may fit the
+#   schema and be judged unfit: 409, 413, 422. That good ones are accepted is what the statuses'
+#   counts show.
 # - of forms whose files have media types of their own, the tool sends some whose part `request` is
 #   no JSON and calls them valid; they are 400.
 # - OpenAPI 3.1 has no words for one event of a stream. Its schema is the stream's, a string; the
@@ -43,13 +46,13 @@ database = "none"
 bearer = "{key}"
 
 [[operations]]
-include-path = ["/v1/jobs/labels", "/v1/validate/labels"]
+include-path-regex = "^/v1/(jobs|validate)/(labels|files)$"
 [operations.checks.positive_data_acceptance]
 expected-statuses = ["2xx", "400", "401", "403", "404", "409", "413", "422", "429"]
 
 [[operations]]
 include-method = "POST"
-include-path-regex = "^(?!.*/labels$)"
+include-path-regex = "^(?!.*/(labels|files)$)"
 [operations.checks.positive_data_acceptance]
 expected-statuses = ["2xx", "401", "403", "404", "409", "413", "422", "429"]
 

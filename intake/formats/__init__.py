@@ -1,1 +1,1 @@
-"""Files of other programs, read as contour studies: bytes in, a study and its warnings out."""
+"""Contour files of other programs, read into a contour study: bytes in, study and warnings out."""

@@ -1,4 +1,4 @@
-"""What an importer returns."""
+"""What reading foreign contour files gives."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from schemas.study import ContourStudy
 
 @dataclass(frozen=True)
 class ImportedStudy:
-    """A study as the native format has it, and what its file left open or was not read of it."""
+    """A contour study, and what had to be guessed, mended or left out on the way."""
 
     study: ContourStudy
     warnings: tuple[str, ...]

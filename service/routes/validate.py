@@ -7,8 +7,14 @@ from intake.support import frame_surfaces
 from schemas.options import Holdout
 from schemas.validation import Validation
 from service.access import Access
-from service.contour_submission import CONTOUR_BODY, ContourUpload, judge_contours
+from service.contour_submission import (
+    CONTOUR_BODY,
+    ContourUpload,
+    JudgedContours,
+    judge_contours,
+)
 from service.documented import problems
+from service.file_submission import FILES_BODY, FilesUpload, judge_files
 from service.label_submission import LABEL_BODY, LabelUpload, judge_labels
 
 router = APIRouter(tags=["submit"])
@@ -24,7 +30,19 @@ def validate_contours(upload: ContourUpload, access: Access) -> Validation:
 
     Neither queue nor store is asked. What would be refused is refused with the same problem.
     """
-    judged = judge_contours(upload, access.settings.limits())
+    return _validation(judge_contours(upload, access.settings.limits()))
+
+
+@router.post("/v1/validate/files", status_code=200, responses=_PROBLEMS, openapi_extra=FILES_BODY)
+def validate_files(upload: FilesUpload, access: Access) -> Validation:
+    """Read contour files and judge their study as a submission would, and keep nothing.
+
+    What was guessed, mended or left out in reading them is among the warnings.
+    """
+    return _validation(judge_files(upload, access.settings.limits()))
+
+
+def _validation(judged: JudgedContours) -> Validation:
     study, options = judged.request.study, judged.request.options
     made = {frame.label: frame_surfaces(frame, options) for frame in study.frames}
     return Validation(

@@ -46,7 +46,7 @@ def test_a_study_alone_and_a_whole_request_are_both_read(
     wrapped: bool, pointer: str, tmp_path: Path
 ) -> None:
     document = {"study": STUDY, "options": {"preset": "fast"}} if wrapped else STUDY
-    given = read_input(written(tmp_path / "in.json", document), maps(), None)
+    given = read_input([written(tmp_path / "in.json", document)], maps(), None)
     assert isinstance(given, ContourInput)
     assert given.pointer == pointer
     assert given.request.study.subject_id == "case-01"
@@ -56,7 +56,7 @@ def test_a_study_alone_and_a_whole_request_are_both_read(
 def test_an_options_file_wins_over_the_requests_own(tmp_path: Path) -> None:
     request = {"study": STUDY, "options": {"preset": "fast", "seed": 5}}
     options = written(tmp_path / "options.json", {"preset": "paper"})
-    given = read_input(written(tmp_path / "in.json", request), maps(), options)
+    given = read_input([written(tmp_path / "in.json", request)], maps(), options)
     assert given.request.options.preset is Preset.PAPER
     assert given.request.options.seed == 0
 
@@ -96,7 +96,7 @@ def test_what_cannot_be_meant_is_refused_with_the_remedy(
 ) -> None:
     path = written(tmp_path / study, STUDY) if study else None
     with pytest.raises(InputError) as refused:
-        read_input(path, arguments, None)
+        read_input([path] if path else None, arguments, None)
     assert words in refused.value.detail
 
 
@@ -105,11 +105,11 @@ def test_references_go_with_either_kind_of_input(tmp_path: Path) -> None:
     truth = tmp_path / "ED_lv_endo.ply"
     truth.touch()
     for given in (
-        read_input(study, maps(), None, [str(truth)]),
+        read_input([study], maps(), None, [str(truth)]),
         read_input(None, maps(scheme="acdc", sax=tmp_path / "sax.nii"), None, [str(truth)]),
     ):
         assert given.references == {"ED_lv_endo": truth}
-    assert read_input(study, maps(), None).references == {}
+    assert read_input([study], maps(), None).references == {}
 
 
 @pytest.mark.parametrize("text", ["", "{", "[1, 2]", '{"study": 3}', '{"subject_id": "a"}'])
@@ -117,4 +117,4 @@ def test_a_file_that_is_no_study_is_refused(text: str, tmp_path: Path) -> None:
     path = tmp_path / "in.json"
     path.write_text(text)
     with pytest.raises(InputError):
-        read_input(path, maps(), None)
+        read_input([path], maps(), None)

@@ -69,6 +69,16 @@ def test_without_references_a_job_is_read_as_ever(new_folder: DiskFolder) -> Non
     assert reading.input_sha256 == study_sha256(REQUEST.study)
 
 
+def test_warnings_of_the_reading_of_other_files_go_on_into_the_report(
+    new_folder: DiskFolder,
+) -> None:
+    asked = REQUEST.model_copy(update={"warnings": ["Half was guessed."]})
+    folder = contour_job(new_folder, {}, asked)
+    reading = read_job(folder, Limits(), STAGING)
+    assert reading.warnings == ("Half was guessed.",)
+    assert reading.input_sha256 == study_sha256(REQUEST.study)
+
+
 def test_references_are_read_by_surface_in_mm(new_folder: DiskFolder) -> None:
     sent = {"ED_lv_endo": ellipsoid("lv_endo"), "ED_rv_endo": ellipsoid("rv_endo")}
     reading = read_job(contour_job(new_folder, sent), Limits(), STAGING)

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from intake.formats.guide_points import read_guide_points
 from intake.limits import Limits
 from schemas.labels import LabelRequest
 from schemas.options import Options
@@ -83,3 +84,18 @@ def test_a_label_map_that_lost_its_scale_is_a_heart_and_not_a_thimble() -> None:
     options = Options(surfaces=[Structure.LV_ENDO])
     mesh = reconstruct(study, options).frames[0].surfaces[Structure.LV_ENDO]
     assert volume_ml(mesh) == pytest.approx(223.0, rel=0.03)
+
+
+def test_raw_guide_points_give_about_the_heart_that_was_fitted_to_them() -> None:
+    """The reference is a model fitted to the same points, about 1 mm from them: no truth."""
+    folder = DATA / "bivme_guide_points" / "patient1"
+    names = ("GPFile_000.txt", "SliceInfoFile.txt")
+    imported = read_guide_points({name: (folder / name).read_bytes() for name in names})
+    quick = Options.model_validate({"preset": "fast"})
+    (frame,) = reconstruct(imported.study, quick).frames
+    for structure, within_mm in ((Structure.LV_ENDO, 2.0), (Structure.RV_ENDO, 3.0)):
+        reference = read_surface(DATA / f"cases/bivme-patient1-ed/reference/{structure}.ply")
+        mesh = frame.surfaces[structure]
+        assert is_watertight(mesh)
+        assert surface_to_surface(mesh, reference).mean_mm <= within_mm
+        assert volume_ml(mesh) == pytest.approx(volume_ml(reference), rel=0.1)
