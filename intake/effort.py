@@ -8,10 +8,35 @@ REFIT_COST = 0.5
 """Of a fit without one slice, which starts from the field that knew it."""
 
 
+LEAST_SEQUENCE = 3
+"""From so many frames on, each is near enough in time to its neighbour to go on from it."""
+
+
 def effort(study: ContourStudy, options: Options) -> float:
-    """Of all frames of an admitted study: 1 a frame, and what `holdout` and `ensemble` add."""
+    """Of all frames of an admitted study: 1 a frame, less for those that go on from a neighbour,
+    and what `holdout` and `ensemble` add.
+    """
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
-    return sum(1.0 + options.ensemble + REFIT_COST * _left_out(frame, options) for frame in frames)
+    more = sum(options.ensemble + REFIT_COST * _left_out(frame, options) for frame in frames)
+    return fits(len(frames), options) + more
+
+
+def fits(frames: int, options: Options) -> float:
+    """Of so many frames, their refits apart."""
+    if frames < LEAST_SEQUENCE or not options.sequence.warm_start:
+        return float(frames)
+    return 1.0 + (frames - 1) * warm_cost(options)
+
+
+def warm_cost(options: Options) -> float:
+    """Of a fit that goes on from a neighbour's field."""
+    full, less = options, options.sequence
+    step = min(less.samples_per_step, full.optimizer.samples_per_step)
+    return (
+        min(1.0, less.levels / full.levels)
+        * min(1.0, less.iterations_per_level / full.iterations_per_level)
+        * (step / full.optimizer.samples_per_step)
+    )
 
 
 def _left_out(frame: Frame, options: Options) -> int:

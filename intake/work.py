@@ -3,7 +3,7 @@
 Effort counts fits; this also weighs them by what the options make of each.
 """
 
-from intake.effort import effort
+from intake.effort import effort, fits
 from schemas.options import Options
 from schemas.study import ContourStudy
 
@@ -18,7 +18,7 @@ def contour_work(study: ContourStudy, options: Options) -> float:
 
 def label_work(frames: int, options: Options) -> float:
     """Of label maps, in which only a worker finds how many slices would be left out."""
-    return frames * (1.0 + options.ensemble) * _frame_work(options)
+    return (fits(frames, options) + frames * options.ensemble) * _frame_work(options)
 
 
 def rescaled(work: float, before: Options, after: Options) -> float:
