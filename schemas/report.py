@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from schemas.base import WireModel
-from schemas.frame_report import FrameReport
+from schemas.frame_report import FailedFrameReport, FrameReport
 from schemas.options import Options
 from schemas.vocabulary import Axes
 
@@ -58,6 +58,10 @@ class Report(WireModel):
     units: str = "mm"
     axes: Axes
     frames: list[FrameReport]
+    failed_frames: list[FailedFrameReport] = Field(
+        default_factory=list,
+        description="Frames of the study without results, while others have them.",
+    )
     function: FunctionReport | None = None
     warnings: list[str] = Field(default_factory=list)
     concerns: list[Concern] = Field(description="What to worry about, the gravest first.")
