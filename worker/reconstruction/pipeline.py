@@ -102,6 +102,8 @@ def reconstruct(
             place = Checkpoint(kept, f"frame-{stacks[index].label}")
             with _failing_alone(index, failures):
                 fits[index] = _reconstruct_frame(index, step, sequence, options, share, place)
+            if index in failures:
+                sequence.forget(index)
     if failures and not fits:
         raise failures[min(failures)]
     return Reconstruction(

@@ -132,6 +132,10 @@ class FrameSequence:
             self._fitted[index] = field, moved_stack(stack, motion)
         return motion
 
+    def forget(self, index: int) -> None:
+        """A frame of whose field no surface came is none to go on from."""
+        self._fitted.pop(index, None)
+
     def warnings(self) -> tuple[str, ...]:
         """What was noticed over all frames."""
         return tuple(self._warnings)

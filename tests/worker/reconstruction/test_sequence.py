@@ -138,6 +138,8 @@ def test_a_frame_that_fails_fails_alone(beating, small: Options, fail_in) -> Non
     found = reconstruct(beating(), small)
     assert [frame.label for frame in found.frames] == ["F0", "F2", "F3"]
     assert found.failed == (FailedFrame("F1", "F1 is empty."),)
+    # F2 would have gone on from it.
+    assert [frame.started_from for frame in found.frames] == [None, "F0", "F0"]
 
 
 def test_a_study_of_frames_that_all_fail_fails(beating, small: Options, fail_in) -> None:
