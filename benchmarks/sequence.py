@@ -79,11 +79,11 @@ def beating(frames: int) -> list[Surfaces]:
     return [heart(float(phase)).meshes(1.5) for phase in phases]
 
 
-def measured(truth: Sequence[Surfaces], plan: SlicingPlan, mode: Mapping[str, bool]) -> Row:
+def measured(truth: Sequence[Surfaces], plan: SlicingPlan, options: Options) -> Row:
     """One reconstruction of the whole cycle, sliced as planned."""
     study = slice_frames({f"F{k:02d}": one for k, one in enumerate(truth)}, plan).study
     start, used = time.perf_counter(), time.process_time()
-    found = reconstruct(study, Options.model_validate({"sequence": mode})).frames
+    found = reconstruct(study, options).frames
     wall_s, cpu_s = time.perf_counter() - start, time.process_time() - used
     distances = [
         [surface_to_surface(one.surfaces[s], at[s]).mean_mm for s in at]
@@ -130,7 +130,7 @@ def main() -> None:
     rows = {}
     plan = SlicingPlan(noise_sd_mm=arguments.noise, shift_sd_mm=arguments.shift)
     for name, mode in MODES.items():
-        row = rows[name] = measured(truth, plan, mode)
+        row = rows[name] = measured(truth, plan, Options.model_validate({"sequence": mode}))
         frames = len(truth)
         print(
             f"{name}: {_said(row.distances_mm.mean(axis=0))}, "
