@@ -13,7 +13,7 @@ from intake.effort import REFIT_COST
 from intake.support import frame_surfaces
 from schemas.job import Stage
 from schemas.options import Base, Holdout, Options
-from schemas.problem import ServiceError
+from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from worker.checkpoints import Checkpoint, Checkpoints, Unkept
@@ -62,6 +62,9 @@ from worker.reconstruction.workload import check_workload
 
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
+
+_OF_A_FRAME = (ProblemType.NO_SURFACE, ProblemType.INTERNAL)
+"""Failures of ours that other frames of the study may well not share."""
 
 
 def reconstruct(
@@ -119,7 +122,12 @@ def reconstruct(
 def _failing_alone(index: int, failures: dict[int, ServiceError]) -> Iterator[None]:
     try:
         yield
-    except ServiceError as error:
+    except InputError as error:
+        failures[index] = error
+    except InternalError as error:
+        # A store that does not answer, to one, is no fault of the frame.
+        if error.type not in _OF_A_FRAME:
+            raise
         failures[index] = error
 
 

@@ -148,6 +148,15 @@ def test_a_study_of_frames_that_all_fail_fails(beating, small: Options, fail_in)
         reconstruct(beating(), small)
 
 
+def test_a_store_that_does_not_answer_is_no_fault_of_a_frame(beating, small: Options) -> None:
+    class Unanswered(Kept):
+        def save(self, key: str, content: bytes) -> None:
+            raise InternalError(ProblemType.STORE_UNAVAILABLE, "It does not answer.")
+
+    with pytest.raises(InternalError, match="does not answer"):
+        reconstruct(beating(), small, None, Unanswered())
+
+
 def test_the_error_of_a_frame_alone_is_raised(beating, small: Options, fail_in) -> None:
     fail_in("F0")
     with pytest.raises(InternalError, match="F0 is empty"):
