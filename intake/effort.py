@@ -7,11 +7,33 @@ from schemas.study import ContourStudy, Frame
 REFIT_COST = 0.5
 """Of a fit without one slice, which starts from the field that knew it."""
 
+MESHING_SHARE = 0.3
+"""Of the standard fit's time: what does not depend on the steps, but on the grid."""
+
+LEAST_SEQUENCE = 3
+"""From so many frames on, each is near enough in time to its neighbour to go on from it."""
+
 
 def effort(study: ContourStudy, options: Options) -> float:
-    """Of all frames of an admitted study: 1 a frame, and what `holdout` and `ensemble` add."""
+    """Of all frames of an admitted study: 1 a frame, less for those that go on from a neighbour,
+    and what `holdout` and `ensemble` add.
+    """
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
-    return sum(1.0 + options.ensemble + REFIT_COST * _left_out(frame, options) for frame in frames)
+    more = sum(options.ensemble + REFIT_COST * _left_out(frame, options) for frame in frames)
+    if len(frames) < LEAST_SEQUENCE or not options.sequence.warm_start:
+        return len(frames) + more
+    return 1.0 + (len(frames) - 1) * warm_cost(options) + more
+
+
+def warm_cost(options: Options) -> float:
+    """Of a frame that goes on from a neighbour's field: a shorter fit, and all of the meshing."""
+    full, less = options, options.sequence
+    fit = (
+        min(1.0, less.levels / full.levels)
+        * min(1.0, less.iterations_per_level / full.iterations_per_level)
+        * min(1.0, less.samples_per_step / full.optimizer.samples_per_step)
+    )
+    return (1.0 - MESHING_SHARE) * fit + MESHING_SHARE
 
 
 def _left_out(frame: Frame, options: Options) -> int:

@@ -3,12 +3,9 @@
 Effort counts fits; this also weighs them by what the options make of each.
 """
 
-from intake.effort import effort
+from intake.effort import MESHING_SHARE, effort
 from schemas.options import Options
 from schemas.study import ContourStudy
-
-_MESHING_SHARE = 0.3
-"""Of the standard fit's time: what does not depend on the steps, but on the grid."""
 
 
 def contour_work(study: ContourStudy, options: Options) -> float:
@@ -17,7 +14,9 @@ def contour_work(study: ContourStudy, options: Options) -> float:
 
 
 def label_work(frames: int, options: Options) -> float:
-    """Of label maps, in which only a worker finds how many slices would be left out."""
+    """Of label maps, at most: only a worker finds which frames go on from a neighbour, and how many
+    slices would be left out.
+    """
     return frames * (1.0 + options.ensemble) * _frame_work(options)
 
 
@@ -30,7 +29,7 @@ def _frame_work(options: Options) -> float:
     standard = Options()
     fit = _steps(options) / _steps(standard)
     grid = (standard.mesh.grid_mm / options.mesh.grid_mm) ** 2
-    return (1.0 - _MESHING_SHARE) * fit + _MESHING_SHARE * grid
+    return (1.0 - MESHING_SHARE) * fit + MESHING_SHARE * grid
 
 
 def _steps(options: Options) -> float:

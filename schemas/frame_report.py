@@ -94,11 +94,22 @@ class LeftVentricleReport(WireModel):
     not_measured: dict[str, str] = Field(description="By name of what is null, the reason.")
 
 
+class FailedFrameReport(WireModel):
+    """One instant of several that no surface was found of, or none fit to be handed out."""
+
+    label: str
+    reason: str = Field(description="What was wrong, and what to do about it.")
+
+
 class FrameReport(WireModel):
     """One instant of the cycle."""
 
     label: str
     time_ms: float | None
+    started_from: str | None = Field(
+        default=None,
+        description="The frame whose field the fit went on from; null for a fit from nothing.",
+    )
     contour_noise_mm: float | None = Field(
         description="How far long-axis contours miss the short-axis ones that they cross, beyond "
         "what shifts explain, mm (standard deviation): the unsteadiness of the contours, which "

@@ -130,6 +130,33 @@ class MeshOptions(WireModel):
     )
 
 
+class SequenceOptions(WireModel):
+    """What the frames of one subject have of each other. A fit that goes on from a neighbour takes
+    no more levels, iterations or samples, and no higher rate, than one from nothing.
+    """
+
+    warm_start: bool = Field(
+        default=True,
+        description="With three frames or more, fit the largest one from nothing, and each other "
+        "one from its neighbour in time, whose field is moved onto its contours first.",
+    )
+    whole_cycle: bool = Field(
+        default=True, description="Whether the first frame comes after the last one again."
+    )
+    levels: int = Field(
+        default=3, ge=1, le=8, description="The last ones, of a fit that goes on from a neighbour."
+    )
+    iterations_per_level: int = Field(default=100, ge=1, le=5000)
+    samples_per_step: int = Field(default=1024, ge=64, le=65536)
+    learning_rate: float = Field(default=1e-2, gt=0.0, le=0.1)
+    share_shifts: bool = Field(
+        default=True,
+        description="One shift a slice for all frames, found from all of them: what one slice "
+        "shows was taken in one breath-hold. Not with `alignment.rotate`, and not where slices of "
+        "one id lie in different planes.",
+    )
+
+
 class Holdout(StrEnum):
     """How the error between slices is estimated without a reference."""
 
@@ -213,6 +240,7 @@ class Options(WireModel):
     loss: LossOptions = Field(default_factory=LossOptions)
     alignment: AlignmentOptions = Field(default_factory=AlignmentOptions)
     mesh: MeshOptions = Field(default_factory=MeshOptions)
+    sequence: SequenceOptions = Field(default_factory=SequenceOptions)
     reference: ReferenceOptions = Field(default_factory=ReferenceOptions)
 
     @model_validator(mode="after")
@@ -265,6 +293,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "iterations_per_level": 90,
         "optimizer": {"samples_per_step": 1024},
         "mesh": {"grid_mm": 2.0},
+        "sequence": {"levels": 3},
     },
     Preset.STANDARD: {},
     Preset.PAPER: {
@@ -273,6 +302,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "optimizer": {"method": "adam", "learning_rate": 1e-2},
         "loss": {"contour_weight": 1.0, "hinge_samples": 256, "contour_noise_mm": 0.0},
         "mesh": {"projection_steps": 0},
+        "sequence": {"warm_start": False, "share_shifts": False},
     },
 }
 

@@ -5,7 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from schemas.base import WireModel
-from schemas.frame_report import FrameReport
+from schemas.frame_report import FailedFrameReport, FrameReport
 from schemas.options import Options
 from schemas.tracking_report import TrackedSurfaceReport
 from schemas.vocabulary import Axes, Structure
@@ -59,6 +59,10 @@ class Report(WireModel):
     units: str = "mm"
     axes: Axes
     frames: list[FrameReport]
+    failed_frames: list[FailedFrameReport] = Field(
+        default_factory=list,
+        description="Frames of the study without results, while others have them.",
+    )
     function: FunctionReport | None = None
     tracking: dict[Structure, TrackedSurfaceReport] = Field(
         default_factory=dict, description="Empty unless `tracked_meshes` was asked for."

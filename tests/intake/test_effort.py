@@ -1,6 +1,6 @@
 import pytest
 
-from intake.effort import REFIT_COST, effort
+from intake.effort import MESHING_SHARE, REFIT_COST, effort, warm_cost
 from schemas.options import Holdout, Options
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
@@ -40,6 +40,14 @@ def study(frames: int, slices: int) -> ContourStudy:
 def test_effort_is_counted_in_fits(options: Options, each: float) -> None:
     assert effort(study(1, 9), options) == pytest.approx(each)
     assert effort(study(2, 9), options) == pytest.approx(2 * each)
+
+
+def test_frames_that_go_on_from_a_neighbour_cost_less() -> None:
+    options = Options()
+    assert effort(study(5, 9), options) == pytest.approx(1.0 + 4 * warm_cost(options))
+    assert MESHING_SHARE < warm_cost(options) < 0.5
+    cold = options.sequence.model_copy(update={"warm_start": False})
+    assert effort(study(5, 9), options.model_copy(update={"sequence": cold})) == pytest.approx(5.0)
 
 
 def test_a_slice_that_shows_none_of_the_surfaces_is_not_left_out() -> None:

@@ -75,6 +75,7 @@ def measured_frame(
     report = FrameReport(
         label=fit.label,
         time_ms=fit.time_ms,
+        started_from=fit.started_from,
         contour_noise_mm=fit.contour_noise_mm,
         surfaces={
             structure: surface_report(

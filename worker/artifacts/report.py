@@ -5,17 +5,15 @@ from dataclasses import replace
 
 from schemas.options import Base, Options
 from schemas.report import Provenance, Report
-from schemas.surface_name import SurfaceName
-from schemas.vocabulary import Structure
 from worker.artifacts.concerns import concerns
 from worker.artifacts.contour_warnings import contour_warnings
-from worker.artifacts.frame_report import measured_frame
+from worker.artifacts.frames import measured_frames
 from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
 from worker.artifacts.support_warnings import support_warnings
 from worker.artifacts.tracking_report import tracking_report
 from worker.observer import Observer, Unobserved
-from worker.reconstruction.result import FrameFit, Reconstruction
+from worker.reconstruction.result import Reconstruction
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.tracked_surface import TrackedSurface
 
@@ -42,16 +40,18 @@ def measure(
     tracked: the surfaces that were carried through the frames.
 
     Raises:
-        InternalError: for a surface that faces inward, or that no contour was observed of.
+        InternalError: where every frame has a surface that faces inward, or that no contour was
+            observed of; one of several frames fails alone.
         Cancelled: the observer asked to stop.
     """
-    measured = [
-        measured_frame(fit, options, _of(fit, references or {}), observer or Unobserved())
-        for fit in reconstruction.frames
-    ]
+    measured, failed = measured_frames(
+        reconstruction, options, references or {}, observer or Unobserved()
+    )
     frames = [report for report, _ in measured]
     said = [
         *warnings,
+        *(f"Frame {one.label} has no results: {one.reason}" for one in failed),
+        *reconstruction.warnings,
         *(text for one in frames for text in contour_warnings(one.label, one.contour_noise_mm)),
         *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
     ]
@@ -60,6 +60,7 @@ def measure(
         subject_id=reconstruction.subject_id,
         axes=reconstruction.axes,
         frames=frames,
+        failed_frames=failed,
         function=function,
         tracking=tracking_report(tracked or {}),
         warnings=said,
@@ -75,8 +76,3 @@ def timed(measured: Measured, timings_s: Mapping[str, float]) -> Measured:
     """The same with the seconds that every stage took."""
     report = measured.report.model_copy(update={"timings_s": dict(timings_s)})
     return replace(measured, report=report)
-
-
-def _of(fit: FrameFit, references: Mapping[str, SurfaceMesh]) -> dict[Structure, SurfaceMesh]:
-    named = {structure: str(SurfaceName(fit.label, structure)) for structure in fit.surfaces}
-    return {s: references[name] for s, name in named.items() if name in references}

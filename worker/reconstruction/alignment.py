@@ -57,7 +57,7 @@ class SliceShifts(nn.Module):
         self._axes = _single([s.axes for s in stack.slices])
         self._normals = _single([s.normal for s in stack.slices])
         self._pivots = _single([s.lift(s.pivot[None])[0] for s in stack.slices])
-        self._unobservable = _single(_unobservable(stack, free))
+        self._unobservable = _single(_unobservable(stack, [] if evidence.final else free))
         self._precision = _single(evidence.precision * _handicap(stack)[:, None, None])
         self._limit = limit
         self._settled = torch.as_tensor(evidence.settled)[:, None]
@@ -67,7 +67,8 @@ class SliceShifts(nn.Module):
         self.turns = nn.Parameter(turns, requires_grad=turning)
         self._project()
         self._expected = self._motion().detach().clone()
-        self.moving = evidence.displaced and bool((self._free.bool() & ~self._settled).any())
+        unsettled = bool((self._free.bool() & ~self._settled).any())
+        self.moving = evidence.displaced and unsettled and not evidence.final
 
     def displacements(self) -> Tensor:
         """(slices, 3) unit lengths."""

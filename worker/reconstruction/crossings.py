@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from schemas.vocabulary import View
-from worker.arrays import Flags, PlanePoints, Scalars, Vector
+from worker.arrays import Flags, PlanePoint, PlanePoints, Scalars, Vector
 from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision, shift_deviations
 from worker.reconstruction.shift_variance import SliceOffsets, joined_offsets, shift_variance
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
@@ -37,45 +37,8 @@ _TANGENT_EDGES = 3
 """Edges either way over which the direction of an outline is taken."""
 
 
-def crossing_evidence(
-    stack: UnitStack, prior: float, noise: float, *, turning: bool = False
-) -> ShiftEvidence:
-    """Shifts of the short-axis slices of a stack, from crossings.
-
-    prior: standard deviation of a shift along each direction, at most. Where crossings show how far
-    the slices of this stack are displaced, that is what the others are expected to be; where slices
-    in place explain them nearly as well, none moves. noise: of an outline, at least; what crossings
-    are found to disagree by is taken where it is larger. Unit lengths. turning: whether slices
-    turn, too.
-    """
-    found = [_crossings(stack, s) if s.view is View.SAX else [] for s in stack.slices]
-    free = prior_precision(prior, turning)
-    solved = [_solve(crossings, free, noise) for crossings in found]
-    usual = max(noise, _usual_miss(solved, prior))
-    solved = [_solve(crossings, free, usual) for crossings in found]
-    spread = shift_variance(
-        [solution.offsets for solution in solved], noise / 20.0, 4.0 * prior, least_noise=noise
-    )
-    unsteady = max(noise, spread.noise)
-    crossed = any(crossings for crossings in found)
-    expected = min(max(noise, spread.displacement), prior) if crossed else prior
-    held = prior_precision(expected, turning)
-    solved = [_solve(crossings, held, unsteady) for crossings in found]
-    displaced = spread.evidence > _TELLING
-    precision = np.array([s.precision for s in solved]).reshape(len(found), 3, 3)
-    motion = np.array([s.motion for s in solved]).reshape(len(found), 3)
-    return ShiftEvidence(
-        motion=motion if displaced else np.zeros_like(motion),
-        precision=precision,
-        crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
-        settled=shift_deviations(precision) <= _SETTLED * noise,
-        displaced=displaced,
-        contour_noise=spread.noise if crossed else None,
-    )
-
-
 @dataclass(frozen=True, eq=False)
-class _Crossings:
+class Crossings:
     """Crossings of one structure in a slice's plane, and that slice's own edges of it, from the
     slice's pivot.
 
@@ -91,8 +54,10 @@ class _Crossings:
 
 
 @dataclass(frozen=True, eq=False)
-class _Solution:
-    """residuals: misses that are left, across the long-axis outline. offsets: the same as seen
+class ShiftSolution:
+    """The most probable motion of one slice, and its inverse covariance, the prior included.
+
+    residuals: misses that are left, across the long-axis outline. offsets: the same as seen
     before any shift, those that are out of line weighing less.
     """
 
@@ -102,8 +67,63 @@ class _Solution:
     offsets: SliceOffsets
 
 
-def _crossings(stack: UnitStack, slice_: UnitSlice) -> list[_Crossings]:
-    found = []
+def crossing_evidence(
+    stack: UnitStack, prior: float, noise: float, *, turning: bool = False
+) -> ShiftEvidence:
+    """Shifts of the short-axis slices of a stack, from crossings.
+
+    prior: standard deviation of a shift along each direction, at most. Where crossings show how far
+    the slices of this stack are displaced, that is what the others are expected to be; where slices
+    in place explain them nearly as well, none moves. noise: of an outline, at least; what crossings
+    are found to disagree by is taken where it is larger. Unit lengths. turning: whether slices
+    turn, too.
+    """
+    found = [crossings_of(stack, s) for s in stack.slices]
+    return evidence_of(found, prior, noise, turning=turning)
+
+
+def evidence_of(
+    found: Sequence[Sequence[Crossings]],
+    prior: float,
+    noise: float,
+    *,
+    turning: bool = False,
+    weight: float = 1.0,
+) -> ShiftEvidence:
+    """The same, from the crossings of every slice; those that stay have none.
+
+    weight: of a crossing, beside one whose error is independent of all others'.
+    """
+    free = prior_precision(prior, turning)
+    solved = [solved_shift(crossings, free, noise, weight) for crossings in found]
+    usual = max(noise, _usual_miss(solved, prior))
+    solved = [solved_shift(crossings, free, usual, weight) for crossings in found]
+    spread = shift_variance(
+        [solution.offsets for solution in solved], noise / 20.0, 4.0 * prior, least_noise=noise
+    )
+    unsteady = max(noise, spread.noise)
+    crossed = any(crossings for crossings in found)
+    expected = min(max(noise, spread.displacement), prior) if crossed else prior
+    held = prior_precision(expected, turning)
+    solved = [solved_shift(crossings, held, unsteady, weight) for crossings in found]
+    displaced = weight * spread.evidence > _TELLING
+    precision = np.array([s.precision for s in solved]).reshape(len(found), 3, 3)
+    motion = np.array([s.motion for s in solved]).reshape(len(found), 3)
+    return ShiftEvidence(
+        motion=motion if displaced else np.zeros_like(motion),
+        precision=precision,
+        crossings=np.array([len(s.residuals) for s in solved], dtype=np.int64),
+        settled=shift_deviations(precision) <= _SETTLED * noise,
+        displaced=displaced,
+        contour_noise=spread.noise if crossed else None,
+    )
+
+
+def crossings_of(stack: UnitStack, slice_: UnitSlice) -> list[Crossings]:
+    """Of a short-axis slice with the stack's long-axis ones, structure by structure; else none."""
+    found: list[Crossings] = []
+    if slice_.view is not View.SAX:
+        return found
     for structure, own in slice_.outlines.items():
         passes = [
             _passes(other, outline, slice_)
@@ -118,7 +138,7 @@ def _crossings(stack: UnitStack, slice_: UnitSlice) -> list[_Crossings]:
             rings = (points, np.concatenate(starts), np.concatenate(ends))
             points, start, end = (ring - slice_.pivot for ring in rings)
             loose = np.concatenate([_loose_ends(outline) for outline in own])
-            found.append(_Crossings(points, steepness, start, end, loose))
+            found.append(Crossings(points, steepness, start, end, loose))
     return found
 
 
@@ -146,7 +166,9 @@ def _passes(
     return slice_.drop(starts[through] + t * edges[through]), steepness
 
 
-def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: float) -> _Solution:
+def solved_shift(
+    found: Sequence[Crossings], prior: Float[np.ndarray, "3 3"], noise: float, weight: float = 1.0
+) -> ShiftSolution:
     """The most probable motion: the slice's outlines, moved back by it, meet the crossings."""
     motion, precision = np.zeros(3), prior
     residuals, offsets = [np.empty(0)], [SliceOffsets(np.empty((0, 2)), np.empty(0), np.empty(0))]
@@ -158,7 +180,7 @@ def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: 
             drawn = (one.points + motion[:2]) @ turn.T
             away, normals, drawn_there = _offsets(drawn, one)
             doubt = np.maximum(1.0, np.abs(away) / (_OUTLIER * noise))
-            weights = drawn_there * one.steepness**2 / (noise**2 * doubt)
+            weights = weight * drawn_there * one.steepness**2 / (noise**2 * doubt)
             by_turn = normals[:, 1] * drawn[:, 0] - normals[:, 0] * drawn[:, 1]
             slopes = np.column_stack([normals @ turn, by_turn])
             precision = precision + np.einsum("n,ni,nj->ij", weights, slopes, slopes)
@@ -173,14 +195,14 @@ def _solve(found: Sequence[_Crossings], prior: Float[np.ndarray, "3 3"], noise: 
         motion = motion + step
         if np.abs(step).max() < _STILL:
             break
-    return _Solution(motion, precision, np.concatenate(residuals), joined_offsets(offsets))
+    return ShiftSolution(motion, precision, np.concatenate(residuals), joined_offsets(offsets))
 
 
 def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
-def _usual_miss(solved: Sequence[_Solution], prior: float) -> float:
+def _usual_miss(solved: Sequence[ShiftSolution], prior: float) -> float:
     """Standard deviation of the residuals, by their median: one wrong outline changes it little."""
     residuals = np.concatenate([solution.residuals for solution in solved])
     seen = sum(_shift_components_seen(solution, prior) for solution in solved)
@@ -190,13 +212,21 @@ def _usual_miss(solved: Sequence[_Solution], prior: float) -> float:
     return 1.4826 * float(np.median(np.abs(residuals))) / freedom**0.5
 
 
-def _shift_components_seen(solution: _Solution, prior: float) -> float:
+def _shift_components_seen(solution: ShiftSolution, prior: float) -> float:
     """How many of a shift's two components the crossings fix, beyond what the prior says."""
     covariance = np.linalg.inv(solution.precision)[:2, :2]
     return 2.0 - float(np.trace(covariance)) / prior**2
 
 
-def _offsets(points: PlanePoints, one: _Crossings) -> tuple[Scalars, PlanePoints, Flags]:
+def misses(one: Crossings, shift: PlanePoint) -> Scalars:
+    """What each point misses the outline by, across its own, once the slice is moved back by
+    `shift`; NaN where the outline was not drawn.
+    """
+    away, _, drawn_there = _offsets(one.points + shift, one)
+    return np.where(drawn_there, one.steepness * away, np.nan)
+
+
+def _offsets(points: PlanePoints, one: Crossings) -> tuple[Scalars, PlanePoints, Flags]:
     """Signed distances of points to the nearest edge along that edge's normal, and the normals.
 
     Last, whether the outline was drawn there: beyond the free end of an open one it says nothing.

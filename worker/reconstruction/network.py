@@ -5,11 +5,13 @@ surface is the sigmoid of `surface_logits`.
 """
 
 import math
+from copy import deepcopy
 
 import torch
 from torch import Tensor, nn
 
 from schemas.options import NetworkOptions
+from worker.reconstruction.affine_motion import AffineMotion
 from worker.reconstruction.sine_layers import SineLayers
 
 
@@ -52,3 +54,15 @@ class TissueField(nn.Module):
             points_unit, count, *layers
         )
         return logits, jacobian
+
+    @torch.no_grad()
+    def moved(self, motion: AffineMotion) -> "TissueField":
+        """The field carried along: its logits at a moved point are those at the point before.
+
+        The first layer is linear in the point, so it takes the motion up whole.
+        """
+        there = deepcopy(self)
+        back = motion.inverse()
+        there.first.copy_(torch.as_tensor(back.matrix.T, dtype=torch.float32) @ self.first)
+        there.biases[0] += torch.as_tensor(back.offset, dtype=torch.float32) @ self.first
+        return there

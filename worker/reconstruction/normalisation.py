@@ -45,12 +45,16 @@ class UnitFrame:
 
 def normalise(stack: SliceStack) -> tuple[UnitStack, UnitFrame]:
     """The stack in unit coordinates, and the frame that brings results back."""
-    frame = unit_frame(stack)
-    slices = tuple(_normalise_slice(s, frame) for s in stack.slices)
-    return UnitStack(slices), frame
+    frame = unit_frame_of(stack)
+    return normalised(stack, frame), frame
 
 
-def unit_frame(stack: SliceStack) -> UnitFrame:
+def normalised(stack: SliceStack, frame: UnitFrame) -> UnitStack:
+    """The stack in a unit frame, its own or one that it has in common with other frames' stacks."""
+    return UnitStack(tuple(_normalise_slice(s, frame) for s in stack.slices))
+
+
+def unit_frame_of(stack: SliceStack) -> UnitFrame:
     """The frame in which the stack's contours fill [-1, 1] along their longest side."""
     points_mm = stack.points_mm
     rotation = _intrinsic_axes(stack, points_mm)

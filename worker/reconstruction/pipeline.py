@@ -4,18 +4,23 @@ study -> stack (mm) -> unit stack + UnitFrame -> levels of samples -> tissue fie
 one component -> level-set projection -> mm -> closed or open base.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import numpy as np
 
 from intake.effort import REFIT_COST
 from intake.support import frame_surfaces
 from schemas.job import Stage
 from schemas.options import Base, Holdout, Options
-from schemas.study import ContourStudy, Frame
+from schemas.problem import InputError, InternalError, ProblemType, ServiceError
+from schemas.study import ContourStudy
+from schemas.vocabulary import Structure
 from worker.checkpoints import Checkpoint, Checkpoints, Unkept
 from worker.observer import Observer, Unobserved
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.base_plane import cut_open, find_base
-from worker.reconstruction.crossings import crossing_evidence
+from worker.reconstruction.cycle import FitStep
 from worker.reconstruction.field_problem import (
     FieldProblem,
     moved_stack,
@@ -27,32 +32,39 @@ from worker.reconstruction.fit import FieldFit
 from worker.reconstruction.frame_share import FrameShare
 from worker.reconstruction.meshing import curvature_of, finest_cell, surfaces_of
 from worker.reconstruction.motion import SliceMotion
-from worker.reconstruction.normalisation import UnitFrame, normalise
+from worker.reconstruction.normalisation import UnitFrame, normalised, unit_frame_of
+from worker.reconstruction.posed_frame import PosedFrame
 from worker.reconstruction.refits import (
     FirstFit,
     ensemble,
     held_out,
     slices_to_hold_out,
 )
-from worker.reconstruction.result import ContourPoints, FrameFit, LevelFit, Reconstruction, SliceFit
+from worker.reconstruction.result import (
+    ContourPoints,
+    FailedFrame,
+    FrameFit,
+    LevelFit,
+    Reconstruction,
+    SliceFit,
+)
 from worker.reconstruction.sampling import level_radius
+from worker.reconstruction.sequence import FrameSequence, sequence_plan
 from worker.reconstruction.shift_evidence import ShiftEvidence
 from worker.reconstruction.slice_stack import SliceStack
-from worker.reconstruction.stack_smoothness import smoothness_evidence
+from worker.reconstruction.stack_evidence import FURTHEST_SHIFT
 from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tempering import tempered
 from worker.reconstruction.tissues import partition
 from worker.reconstruction.unit_stack import UnitStack
+from worker.reconstruction.warm_start import warm_options
 from worker.reconstruction.workload import check_workload
 
 _FIT_SHARE = 0.9
 """Part of a frame's work that is the fit; the rest is meshing."""
 
-_CONTOUR_NOISE_MM = 0.25
-"""How well an observer's outline is known, at best: crossings do not fix a shift any better."""
-
-_WIDEST_PRIOR, _FURTHEST_SHIFT = 0.1, 0.4
-"""Bounds on the shift prior and on shifts, unit lengths: a mouse's breath is not a man's."""
+_OF_A_FRAME = (ProblemType.NO_SURFACE, ProblemType.INTERNAL)
+"""Failures of ours that other frames of the study may well not share."""
 
 
 def reconstruct(
@@ -63,8 +75,9 @@ def reconstruct(
 ) -> Reconstruction:
     """Surfaces of every frame of an admitted study (`intake.study.admit`), mm, the study's axes.
 
-    A frame that observes none of the requested surfaces is left out. What `checkpoints` has of
-    these very fits is not fitted again, and changes nothing.
+    A frame that observes none of the requested surfaces is left out. Of several frames one that
+    fails fails alone, and is named in the result; raises its error where all do. What `checkpoints`
+    has of these very fits is not fitted again, and changes nothing.
 
     Same study, options, thread count and library versions: same surfaces, bit for bit. Raises
     InputError for input that no field can be fitted to, InternalError(NO_SURFACE) when a fit
@@ -72,63 +85,115 @@ def reconstruct(
     """
     watcher, kept = observer or Unobserved(), checkpoints or Unkept()
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
-    fits = tuple(
-        _reconstruct_frame(
-            study,
-            frame,
-            options,
-            FrameShare(watcher, frame.label, index, len(frames)),
-            Checkpoint(kept, f"frame-{frame.label}"),
-        )
-        for index, frame in enumerate(frames)
+    stacks = [build_stack(study, frame) for frame in frames]
+    plan = sequence_plan(stacks, options)
+    failures: dict[int, ServiceError] = {}
+    posed_frames: dict[int, PosedFrame] = {}
+    for index, stack in enumerate(stacks):
+        with _failing_alone(index, failures):
+            posed_frames[index] = _posed_frame(
+                stack, frame_surfaces(frames[index], options), plan.unit_frame, options
+            )
+    sequence = FrameSequence(plan, posed_frames, options)
+    fits: dict[int, FrameFit] = {}
+    done = 0.0
+    for step, cost in zip(plan.steps, plan.costs, strict=True):
+        index, end = step.frame, done + cost / sum(plan.costs)
+        share = FrameShare(watcher, stacks[index].label, 0, 1, done, min(end, 1.0))
+        done = end
+        if index in posed_frames:
+            place = Checkpoint(kept, f"frame-{stacks[index].label}")
+            with _failing_alone(index, failures):
+                fits[index] = _reconstruct_frame(index, step, sequence, options, share, place)
+            if index in failures:
+                sequence.forget(index)
+    if failures and not fits:
+        raise failures[min(failures)]
+    return Reconstruction(
+        study.subject_id,
+        study.axes,
+        tuple(fits[index] for index in sorted(fits)),
+        tuple(FailedFrame(stacks[i].label, failures[i].detail) for i in sorted(failures)),
+        sequence.warnings(),
     )
-    return Reconstruction(study.subject_id, study.axes, fits)
 
 
-def _reconstruct_frame(
-    study: ContourStudy,
-    frame: Frame,
-    options: Options,
-    observer: FrameShare,
-    checkpoint: Checkpoint,
-) -> FrameFit:
-    stack = build_stack(study, frame)
-    unit_stack, unit_frame = normalise(stack)
-    problem = posed(unit_stack, partition(frame_surfaces(frame, options)), options.sampling)
-    surfaces = problem.classes.surfaces
+@contextmanager
+def _failing_alone(index: int, failures: dict[int, ServiceError]) -> Iterator[None]:
+    try:
+        yield
+    except InputError as error:
+        failures[index] = error
+    except InternalError as error:
+        # A store that does not answer, to one, is no fault of the frame.
+        if error.type not in _OF_A_FRAME:
+            raise
+        failures[index] = error
+
+
+def _posed_frame(
+    stack: SliceStack, surfaces: list[Structure], frame: UnitFrame | None, options: Options
+) -> PosedFrame:
+    unit_frame = frame or unit_frame_of(stack)
+    unit_stack = normalised(stack, unit_frame)
+    problem = posed(unit_stack, partition(surfaces), options.sampling)
     unit_mm, cell = unit_frame.half_extent_mm, finest_cell(unit_frame, options)
     check_workload(len(stack.slices), problem.hull, cell * unit_mm, cell, len(surfaces), options)
     # Before the fit: a base that cannot be found is not found out in vain.
     bases = {s: find_base(stack, s) for s in surfaces} if options.base is Base.OPEN else {}
-    evidence = _evidence(problem.shown, options, unit_mm)
-    furthest = min(options.alignment.max_shift_mm / unit_mm, _FURTHEST_SHIFT)
+    return PosedFrame(stack, unit_frame, problem, bases)
+
+
+def _reconstruct_frame(
+    index: int,
+    step: FitStep,
+    sequence: FrameSequence,
+    options: Options,
+    observer: FrameShare,
+    checkpoint: Checkpoint,
+) -> FrameFit:
+    frame = sequence.posed[index]
+    stack, problem, unit_frame = frame.stack, frame.problem, frame.unit_frame
+    surfaces, unit_mm = problem.classes.surfaces, unit_frame.half_extent_mm
+    evidence = sequence.evidence_of(index)
+    furthest = min(options.alignment.max_shift_mm / unit_mm, FURTHEST_SHIFT)
 
     def free_shifts() -> SliceShifts:
         return SliceShifts(problem.shown, evidence, furthest, turning=options.alignment.rotate)
 
-    suited = tempered(options, _contour_noise(evidence, options, unit_mm))
+    noise = _contour_noise(evidence, options, unit_mm)
+    suited = tempered(options, noise)
     shifts = free_shifts()
     fitting, meshing, refitting, others = _parts(observer, problem, options)
-    fit = solved(problem, shifts, suited, fitting, checkpoint=checkpoint.of("fit"))
-    motion = shifts.found()
-    touching = outline_points(moved_stack(unit_stack, motion))
+    start = sequence.start_of(step)
+    schedule = suited if start is None else tempered(warm_options(options), noise)
+    fit = solved(
+        problem,
+        shifts,
+        schedule,
+        fitting,
+        start=start.field if start else None,
+        checkpoint=checkpoint.of("fit"),
+    )
+    motion = sequence.fitted(index, fit.field, shifts.found())
+    touching = outline_points(moved_stack(problem.stack, motion))
     found = surfaces_of(fit, problem, touching, unit_frame, options, meshing)
     for closed in (found.meshes, found.unremeshed):
-        closed |= {s: cut_open(closed[s], base) for s, base in bases.items() if s in closed}
+        closed |= {s: cut_open(closed[s], base) for s, base in frame.bases.items() if s in closed}
     first = FirstFit(problem, unit_frame, fit, motion)
     wanted = options.holdout is Holdout.LEAVE_ONE_SLICE_OUT
-    noise = evidence.contour_noise
+    contour_noise = evidence.contour_noise
     return FrameFit(
-        label=frame.label,
-        time_ms=frame.time_ms,
+        label=stack.label,
+        time_ms=stack.time_ms,
         surfaces=found.meshes,
         unremeshed=found.unremeshed,
-        slices=_slice_fits(stack, unit_stack, unit_frame, motion, evidence),
-        levels=_level_fits(fit, unit_frame, options),
-        contour_noise_mm=None if noise is None else unit_mm * noise,
+        slices=_slice_fits(stack, problem.stack, unit_frame, motion, evidence),
+        levels=_level_fits(fit, unit_frame, schedule),
+        contour_noise_mm=None if contour_noise is None else unit_mm * contour_noise,
         curvature={
-            structure: curvature_of(fit, index, found.meshes[structure], unit_frame, meshing)
-            for index, structure in enumerate(surfaces)
+            structure: curvature_of(fit, place, found.meshes[structure], unit_frame, meshing)
+            for place, structure in enumerate(surfaces)
         },
         held_out=(
             held_out(first, suited, refitting.told_as(Stage.REFITTING), checkpoint)
@@ -138,6 +203,7 @@ def _reconstruct_frame(
         members=ensemble(
             problem, unit_frame, free_shifts, suited, others.told_as(Stage.REFITTING), checkpoint
         ),
+        started_from=start.label if start else None,
     )
 
 
@@ -153,18 +219,6 @@ def _parts(
         for start, end in zip(starts / ends[-1], ends / ends[-1], strict=True)
     )
     return fitting, meshing, refitting, others
-
-
-def _evidence(stack: UnitStack, options: Options, unit_mm: float) -> ShiftEvidence:
-    """What is known of the slices' shifts, and of how unsteady outlines are, before the fit."""
-    prior = min(options.alignment.prior_mm / unit_mm, _WIDEST_PRIOR)
-    noise = min(_CONTOUR_NOISE_MM / unit_mm, prior)
-    crossed = crossing_evidence(stack, prior, noise, turning=options.alignment.rotate)
-    if not options.align_slices:
-        return crossed.in_place(prior)
-    if crossed.crossings.any():
-        return crossed
-    return smoothness_evidence(stack, prior, noise, unit_mm, turning=options.alignment.rotate)
 
 
 def _contour_noise(evidence: ShiftEvidence, options: Options, unit_mm: float) -> float:

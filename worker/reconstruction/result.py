@@ -82,6 +82,7 @@ class FrameFit:
     held_out: by slice id, where asked for, the surfaces that were fitted without that slice; those
         that no other slice shows are left out.
     members: where asked for, the surfaces of further fits with other seeds.
+    started_from: the frame whose field the fit went on from; None for a fit from nothing.
     """
 
     label: str
@@ -94,11 +95,22 @@ class FrameFit:
     curvature: Mapping[Structure, LevelSetCurvature] = field(default_factory=dict)
     held_out: Mapping[str, Mapping[Structure, SurfaceMesh]] = field(default_factory=dict)
     members: tuple[Mapping[Structure, SurfaceMesh], ...] = ()
+    started_from: str | None = None
+
+
+@dataclass(frozen=True)
+class FailedFrame:
+    """A frame of several that no surface was found of, and why."""
+
+    label: str
+    reason: str
 
 
 @dataclass(frozen=True, eq=False)
 class Reconstruction:
     """All frames of a subject, in mm and the study's own axes.
+
+    failed: frames that are not among `frames`. warnings: what was noticed over all frames.
 
     Times are not here: whoever watches takes them from the stages that the observer is told of.
     """
@@ -106,3 +118,5 @@ class Reconstruction:
     subject_id: str
     axes: Axes
     frames: tuple[FrameFit, ...]
+    failed: tuple[FailedFrame, ...] = ()
+    warnings: tuple[str, ...] = ()

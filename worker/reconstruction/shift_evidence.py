@@ -21,7 +21,8 @@ class ShiftEvidence:
     inverse covariance, the prior included. crossings: how many points of long-axis outlines it
     rests on. settled: whether it is known so well that a field has nothing to add. displaced:
     whether slices are to be moved at all. contour_noise: standard deviation of what outlines that
-    cross are apart by, beyond the shifts; None where none cross.
+    cross are apart by, beyond the shifts; None where none cross. final: whether the motion was
+    found already, and is to be taken as it is.
     """
 
     motion: Float[np.ndarray, "slices 3"]
@@ -30,6 +31,7 @@ class ShiftEvidence:
     settled: Bool[np.ndarray, " slices"]
     displaced: bool
     contour_noise: float | None = None
+    final: bool = False
 
     def deviations(self) -> Float[np.ndarray, " slices"]:
         """Standard deviation of each shift along its least certain direction, unit lengths.

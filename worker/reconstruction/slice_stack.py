@@ -19,6 +19,13 @@ class Outline:
     points_mm: Points
     closed: bool
 
+    @property
+    def area_mm2(self) -> float:
+        """What it encloses, mm2, the chord included."""
+        from_first = self.points_mm - self.points_mm[0]
+        twice = np.cross(from_first[:-1], from_first[1:]).sum(axis=0)
+        return 0.5 * float(np.linalg.norm(twice))
+
 
 @dataclass(frozen=True, eq=False)
 class StackSlice:

@@ -15,6 +15,7 @@ from worker.artifacts.measured import FIELDS, Measured
 from worker.artifacts.report import measure, timed
 from worker.reconstruction.result import (
     ContourPoints,
+    FailedFrame,
     FrameFit,
     LevelFit,
     LevelSetCurvature,
@@ -398,3 +399,24 @@ def test_what_warnings_say_is_among_the_concerns() -> None:
     assert [one.severity for one in report.concerns] == sorted(
         one.severity for one in report.concerns
     )
+
+
+def test_frames_that_failed_are_named_with_their_reasons() -> None:
+    empty = FailedFrame("F1", "F1 encloses nothing.")
+    inward = frame("F2", 30.0)
+    mesh = inward.surfaces[Structure.LV_ENDO]
+    turned = SurfaceMesh(mesh.vertices_mm, mesh.faces[:, ::-1].copy())
+    fits = (frame("ED", 30.0), replace(inward, surfaces={Structure.LV_ENDO: turned}))
+    report = measure(
+        Reconstruction("case-01", Axes.RAS, fits, (empty,), ("slice sax-00 differs",)),
+        options=Options(),
+        warnings=[],
+        provenance=PROVENANCE,
+    ).report
+    assert [one.label for one in report.frames] == ["ED"]
+    assert [one.label for one in report.failed_frames] == ["F1", "F2"]
+    said = "\n".join(report.warnings)
+    assert "Frame F1 has no results: F1 encloses nothing." in said
+    assert "Frame F2 has no results" in said
+    assert "slice sax-00 differs" in said
+    assert {"F1", "F2"} <= {one.text.split()[1] for one in report.concerns}

@@ -1,0 +1,91 @@
+"""A job of several frames loses a worker half-way: no frame that was finished is fitted again."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import httpx
+import numpy as np
+import pytest
+
+from cli.same_results import compare
+from tests.end_to_end.following import follow
+from tests.end_to_end.serve_process import ServeProcess
+
+pytestmark = [pytest.mark.integration, pytest.mark.slow]
+
+OPTIONS = {
+    "preset": "fast",
+    "levels": 2,
+    "iterations_per_level": 100,
+    "mesh": {"grid_mm": 4},
+    "formats": ["stl"],
+}
+LABELS = ["F0", "F1", "F2", "F3"]
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[[], ServeProcess]]:
+    started: list[ServeProcess] = []
+
+    def run() -> ServeProcess:
+        started.append(ServeProcess(tmp_path / "data").wait_until_ready())
+        return started[-1]
+
+    yield run
+    for server in started:
+        if server.process.poll() is None:
+            server.stop()
+
+
+@pytest.fixture
+def sequence(study: dict[str, Any]) -> dict[str, Any]:
+    """The phantom's frame, shrinking a little from frame to frame about its middle, on the same
+    planes.
+    """
+    (first,) = study["frames"]
+    frames = []
+    for step, label in enumerate(LABELS):
+        slices = []
+        for one in first["slices"]:
+            points = [np.array(contour["points"]) for contour in one["contours"]]
+            middle = np.concatenate(points).mean(axis=0) if points else np.zeros(3)
+            contours = [
+                {**contour, "points": (middle + (1.0 - 0.02 * step) * (p - middle)).tolist()}
+                for contour, p in zip(one["contours"], points, strict=True)
+            ]
+            slices.append({**one, "contours": contours})
+        frames.append({**first, "label": label, "time_ms": 40.0 * step, "slices": slices})
+    return {**study, "frames": frames}
+
+
+def test_a_sequence_goes_on_from_the_frames_that_were_finished(
+    start: Callable[[], ServeProcess], sequence: dict[str, Any]
+) -> None:
+    server = start()
+    body = {"study": sequence, "options": OPTIONS}
+    job_id, unbroken_id = (
+        httpx.post(f"{server.url}/v1/jobs/contours", json=body, timeout=30).json()["id"]
+        for _ in range(2)
+    )
+    job_folder = server.data_dir / "jobs" / job_id
+    # Forward from F0 to F2, then backward to F3.
+    while follow(server, job_id, "running", "queued")["progress"]["frame"] != "F2":
+        pass
+    kept = {path.name for path in (job_folder / "checkpoints").iterdir()}
+    finished = ["frame-F0-fit", "frame-F1-fit"]
+    assert kept >= set(finished)
+    server.worker_child().kill()
+
+    done = follow(server, job_id, "succeeded", within_s=240.0)
+    follow(server, unbroken_id, "succeeded", within_s=240.0)
+
+    assert done["attempt"] == 2
+    logs = "".join(path.read_text() for path in (server.data_dir / "logs").iterdir())
+    for name in finished:
+        assert f"checkpoint {name} is taken up" in logs
+    results = [server.data_dir / "jobs" / name / "results" for name in (unbroken_id, job_id)]
+    surfaces = sorted(path.name for path in results[0].glob("*.stl"))
+    assert len(surfaces) == 3 * len(LABELS)
+    for name in surfaces:
+        assert compare(name, *results).verdict.is_same

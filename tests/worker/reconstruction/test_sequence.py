@@ -1,0 +1,193 @@
+"""Each frame is found as by itself, from its neighbour; one that fails fails alone."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from schemas.job import Progress
+from schemas.options import Options
+from schemas.problem import InternalError, ProblemType
+from schemas.study import ContourStudy
+from schemas.vocabulary import Structure
+from tests.worker.kept import Kept
+from worker.observer import Cancelled
+from worker.reconstruction import pipeline
+from worker.reconstruction.pipeline import reconstruct
+from worker.reconstruction.result import FailedFrame, Reconstruction
+
+RADII_MM = {"F0": 25.0, "F1": 24.0, "F2": 23.0, "F3": 24.0}
+CENTRE_MM = np.array([12.0, -30.0, 55.0])
+
+
+@pytest.fixture
+def beating(concentric_spheres) -> Callable[..., ContourStudy]:
+    """Makes a study of spheres of the given radii, frame by frame, on the same slices."""
+
+    def make(radii_mm: dict[str, float] = RADII_MM, **made: object) -> ContourStudy:
+        frames = []
+        for label, radius_mm in radii_mm.items():
+            one = concentric_spheres(endo_mm=radius_mm, epi_mm=radius_mm + 10.0, **made)
+            frames.append({**one.model_dump(mode="json")["frames"][0], "label": label})
+        document = one.model_dump(mode="json")
+        return ContourStudy.model_validate({**document, "frames": frames})
+
+    return make
+
+
+@pytest.fixture
+def small(quick: Options) -> Options:
+    """For what does not depend on how near a surface comes."""
+    mesh = quick.mesh.model_copy(update={"grid_mm": 4.0})
+    return quick.model_copy(update={"levels": 2, "iterations_per_level": 15, "mesh": mesh})
+
+
+def with_sequence(options: Options, **chosen: object) -> Options:
+    sequence = options.sequence.model_copy(update=chosen)
+    return options.model_copy(update={"sequence": sequence})
+
+
+def errors_mm(found: Reconstruction) -> dict[str, float]:
+    return {
+        frame.label: float(
+            np.abs(
+                np.linalg.norm(frame.surfaces[Structure.LV_ENDO].vertices_mm - CENTRE_MM, axis=1)
+                - RADII_MM[frame.label]
+            ).mean()
+        )
+        for frame in found.frames
+    }
+
+
+def test_each_frame_goes_on_from_its_neighbour_and_finds_its_own_surface(
+    beating, quick: Options
+) -> None:
+    found = reconstruct(beating(), quick)
+    assert {frame.label: frame.started_from for frame in found.frames} == {
+        "F0": None,
+        "F1": "F0",
+        "F2": "F1",
+        "F3": "F0",
+    }
+    assert max(errors_mm(found).values()) < 0.5
+    assert not found.failed
+    assert not found.warnings
+
+
+def test_without_warm_starts_every_frame_is_fitted_from_nothing(beating, small: Options) -> None:
+    found = reconstruct(beating(), with_sequence(small, warm_start=False))
+    assert {frame.started_from for frame in found.frames} == {None}
+
+
+def test_two_frames_are_both_fitted_from_nothing(beating, small: Options) -> None:
+    found = reconstruct(beating({"F0": 25.0, "F2": 23.0}), small)
+    assert {frame.started_from for frame in found.frames} == {None}
+
+
+def test_a_slice_has_one_shift_in_every_frame(beating, quick: Options) -> None:
+    study = beating(displacements={3: (2.0, 1.0), 6: (-1.0, 2.0)})
+    found = reconstruct(study, quick)
+    for slices in zip(*(frame.slices for frame in found.frames), strict=True):
+        for one in slices[1:]:
+            np.testing.assert_array_equal(one.shift_mm, slices[0].shift_mm)
+    shifts = {one.id: one.shift_mm for one in found.frames[0].slices}
+    np.testing.assert_allclose(shifts["sax-03"], [2.0, 1.0, 0.0], atol=0.2)
+
+
+@pytest.mark.parametrize("long_axis", [True, False])
+def test_a_sequence_that_was_interrupted_ends_as_one_that_was_not(
+    beating, small: Options, long_axis: bool
+) -> None:
+    study = beating(displacements={3: (2.0, 1.0)}, long_axis=long_axis)
+    kept = Kept()
+    unbroken = reconstruct(study, small)
+    with pytest.raises(Cancelled):
+        reconstruct(study, small, StopsIn("F2"), kept)
+    assert {"frame-F0-fit", "frame-F1-fit"} <= kept.held.keys()
+    already = {key: len(content) for key, content in kept.saved.items()}
+    resumed = reconstruct(study, small, None, kept)
+    assert len(kept.saved["frame-F0-fit"]) == already["frame-F0-fit"]
+    assert len(kept.saved["frame-F1-fit"]) == already["frame-F1-fit"]
+    for one, other in zip(unbroken.frames, resumed.frames, strict=True):
+        for structure, mesh in one.surfaces.items():
+            again = other.surfaces[structure]
+            np.testing.assert_array_equal(mesh.vertices_mm, again.vertices_mm)
+
+
+@pytest.fixture
+def fail_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+    """Lets the fits of these frames enclose nothing."""
+
+    def fail(*labels: str) -> None:
+        found = pipeline.surfaces_of
+
+        def surfaces_of(*given: Any, **more: Any) -> Any:
+            observer = given[-1]
+            if observer.label in labels:
+                raise InternalError(ProblemType.NO_SURFACE, f"{observer.label} is empty.")
+            return found(*given, **more)
+
+        monkeypatch.setattr(pipeline, "surfaces_of", surfaces_of)
+
+    return fail
+
+
+def test_a_frame_that_fails_fails_alone(beating, small: Options, fail_in) -> None:
+    fail_in("F1")
+    found = reconstruct(beating(), small)
+    assert [frame.label for frame in found.frames] == ["F0", "F2", "F3"]
+    assert found.failed == (FailedFrame("F1", "F1 is empty."),)
+    # F2 would have gone on from it.
+    assert [frame.started_from for frame in found.frames] == [None, "F0", "F0"]
+
+
+def test_a_study_of_frames_that_all_fail_fails(beating, small: Options, fail_in) -> None:
+    fail_in(*RADII_MM)
+    with pytest.raises(InternalError, match="F0 is empty"):
+        reconstruct(beating(), small)
+
+
+def test_a_store_that_does_not_answer_is_no_fault_of_a_frame(beating, small: Options) -> None:
+    class Unanswered(Kept):
+        def save(self, key: str, content: bytes) -> None:
+            raise InternalError(ProblemType.STORE_UNAVAILABLE, "It does not answer.")
+
+    with pytest.raises(InternalError, match="does not answer"):
+        reconstruct(beating(), small, None, Unanswered())
+
+
+def test_the_error_of_a_frame_alone_is_raised(beating, small: Options, fail_in) -> None:
+    fail_in("F0")
+    with pytest.raises(InternalError, match="F0 is empty"):
+        reconstruct(beating({"F0": 25.0}), small)
+
+
+def test_progress_goes_through_the_frames_and_never_back(beating, small: Options) -> None:
+    told = Listener()
+    reconstruct(beating(), small, told)
+    fractions = [progress.fraction for progress in told.told]
+    assert fractions == sorted(fractions)
+    assert list(dict.fromkeys(progress.frame for progress in told.told)) == ["F0", "F1", "F2", "F3"]
+
+
+class Listener:
+    def __init__(self) -> None:
+        self.told: list[Progress] = []
+
+    def advanced(self, progress: Progress) -> None:
+        self.told.append(progress)
+
+    def is_cancelled(self) -> bool:
+        return False
+
+
+class StopsIn(Listener):
+    """Asks to stop once a frame is begun."""
+
+    def __init__(self, label: str) -> None:
+        super().__init__()
+        self._label = label
+
+    def is_cancelled(self) -> bool:
+        return bool(self.told) and self.told[-1].frame == self._label
