@@ -23,6 +23,7 @@ class Target(StrEnum):
     """One JSON file, the native format."""
     GUIDE_POINTS = "guide-points"
     CSL = "csl"
+    RTSTRUCT = "rtstruct"
 
 
 def convert(
@@ -31,7 +32,8 @@ def convert(
         typer.Argument(
             metavar="INPUT...",
             help="Contour study as JSON, or contour files, or a folder of them, of one subject: "
-            "guide points (GPFile*.txt, SliceInfoFile.txt) or cross-sections (.csl).",
+            "guide points (GPFile*.txt, SliceInfoFile.txt), cross-sections (.csl), DICOM "
+            "RTSTRUCT or a cvi42 workspace with its images' headers or geometry table.",
             exists=True,
             readable=True,
         ),
@@ -71,6 +73,11 @@ def convert(
 
 def _exported(study: "ContourStudy", to: Target) -> "Exported":
     from intake.formats.csl_out import write_csl
+    from intake.formats.exported import Exported
     from intake.formats.guide_points_out import write_guide_points
+    from intake.formats.rtstruct_writing import write_rtstruct
 
+    if to is Target.RTSTRUCT:
+        files = {f"{label}.dcm": content for label, content in write_rtstruct(study).items()}
+        return Exported(files, ("what is absent from a slice is not written: no place for it",))
     return write_csl(study) if to is Target.CSL else write_guide_points(study)

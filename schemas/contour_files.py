@@ -14,6 +14,8 @@ class ContourFormat(StrEnum):
 
     GUIDE_POINTS = "guide_points"
     CSL = "csl"
+    RTSTRUCT = "rtstruct"
+    CVI42 = "cvi42"
 
 
 class GuidePointSettings(WireModel):
@@ -46,6 +48,17 @@ class CslSettings(WireModel):
     axes: Axes = Axes.LPS
 
 
+class RtstructSettings(WireModel):
+    """What DICOM RT Structure Sets do not say."""
+
+    structures: dict[str, Structure] = Field(
+        default_factory=dict,
+        max_length=64,
+        description="Structures by the names of regions (ROI Name), whole and in any case. Goes "
+        "before the names that are known; what neither knows is left out with a warning.",
+    )
+
+
 class ContourFilesRequest(WireModel):
     """The part `request` of `POST /v1/jobs/files`. The files are parts called `file`."""
 
@@ -55,4 +68,5 @@ class ContourFilesRequest(WireModel):
     )
     guide_points: GuidePointSettings = Field(default_factory=GuidePointSettings)
     csl: CslSettings = Field(default_factory=CslSettings)
+    rtstruct: RtstructSettings = Field(default_factory=RtstructSettings)
     options: Options = Field(default_factory=Options)

@@ -4,17 +4,17 @@ but names of structures is repeated: it may name a patient.
 
 from schemas.problem import InputError, ProblemType
 
-_UNREADABLE = ProblemType.INVALID_REQUEST
-
 
 def unreadable(file: str, how: str, remedy: str) -> InputError:
     """The error for file `file` that is damaged, or not of the kind that it should be."""
-    return InputError(_UNREADABLE, f"The file {how}. Remedy: {remedy}.", pointer=file)
+    return InputError(
+        ProblemType.UNREADABLE_CONTOUR_FILE, f"The file {how}. Remedy: {remedy}.", pointer=file
+    )
 
 
 def unusable(what: str, remedy: str) -> InputError:
     """The error for files that can be read, and make no study."""
-    return InputError(_UNREADABLE, f"{what}. Remedy: {remedy}.")
+    return InputError(ProblemType.UNREADABLE_CONTOUR_FILE, f"{what}. Remedy: {remedy}.")
 
 
 def too_large(file: str | None, what: str, remedy: str) -> InputError:

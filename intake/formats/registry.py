@@ -5,10 +5,14 @@ from dataclasses import dataclass
 
 from intake.formats.csl import read_csl
 from intake.formats.csl_planes import looks_like_csl
+from intake.formats.cvi42 import looks_like_cvi42, read_cvi42
+from intake.formats.dicom_file import is_dicom
 from intake.formats.faults import unreadable
+from intake.formats.geometry_table import is_table
 from intake.formats.guide_point_rows import looks_like_guide_points
 from intake.formats.guide_points import read_guide_points
 from intake.formats.imported import ImportedStudy
+from intake.formats.rtstruct import looks_like_rtstruct, read_rtstruct
 from intake.formats.slice_info import looks_like_slice_info
 from intake.json_syntax import shown
 from intake.limits import Limits
@@ -22,10 +26,18 @@ Files = Mapping[str, bytes]
 
 @dataclass(frozen=True)
 class FileFormat:
-    """A format: which files are of it, by their content, and how they are read."""
+    """A format: which files are of it, by their content, and how they are read.
+
+    goes_with: which files may come along that hold no contour, and say where images lie.
+    """
 
     recognises: Callable[[bytes], bool]
     read: Callable[[Files, ContourFilesRequest, Limits], ImportedStudy]
+    goes_with: Callable[[bytes], bool] = lambda _: False
+
+
+def _tells_of_images(body: bytes) -> bool:
+    return is_dicom(body) or is_table(body)
 
 
 FORMATS: dict[ContourFormat, FileFormat] = {
@@ -40,6 +52,23 @@ FORMATS: dict[ContourFormat, FileFormat] = {
         read=lambda files, request, limits: read_csl(
             files, request.csl, subject_id=request.subject_id, limits=limits
         ),
+    ),
+    ContourFormat.RTSTRUCT: FileFormat(
+        recognises=looks_like_rtstruct,
+        read=lambda files, request, limits: read_rtstruct(
+            files,
+            structures=request.rtstruct.structures,
+            subject_id=request.subject_id,
+            limits=limits,
+        ),
+        goes_with=_tells_of_images,
+    ),
+    ContourFormat.CVI42: FileFormat(
+        recognises=looks_like_cvi42,
+        read=lambda files, request, limits: read_cvi42(
+            files, subject_id=request.subject_id, limits=limits
+        ),
+        goes_with=_tells_of_images,
     ),
 }
 
@@ -62,13 +91,20 @@ def import_study(files: Files, request: ContourFilesRequest, limits: Limits) -> 
 
 
 def told_format(files: Files) -> ContourFormat:
-    """The format that every file is of. Raises InputError for the first that is of none of them."""
+    """The format that every file is of, or goes with. Raises InputError for the first that is of
+    none of them.
+    """
     found: dict[ContourFormat, str] = {}
+    others: dict[str, bytes] = {}
     for name, body in files.items():
         known = [one for one, format_ in FORMATS.items() if format_.recognises(body)]
-        if not known:
+        if known:
+            found.setdefault(known[0], name)
+        else:
+            others[name] = body
+    for name, body in others.items():
+        if not any(FORMATS[one].goes_with(body) for one in found):
             raise unknown_format(name)
-        found.setdefault(known[0], name)
     if len(found) > 1:
         said = ", ".join(f"`{shown(name)}` is {one.value}" for one, name in found.items())
         raise InputError(

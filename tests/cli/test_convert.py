@@ -39,7 +39,8 @@ def test_there_and_back(folder: Path, tmp_path: Path) -> None:
     converted(study, "--out", tmp_path / "points", "--to", "guide-points")
     said = converted(study, "--out", tmp_path / "sections", "--to", "csl")
     assert len(said["files"]) == 3  # type: ignore[arg-type]
-    for there in ("points", "sections"):
+    converted(study, "--out", tmp_path / "dicom", "--to", "rtstruct")
+    for there in ("points", "sections", "dicom"):
         again = tmp_path / f"{there}.json"
         converted(*sorted((tmp_path / there).iterdir()), "--out", again)
         back = ContourStudy.model_validate_json(again.read_bytes())

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from schemas.options import Base, Options
 from schemas.report import Provenance, Report
+from schemas.vocabulary import Structure
 from worker.artifacts.concerns import concerns
 from worker.artifacts.contour_warnings import contour_warnings
 from worker.artifacts.frames import measured_frames
