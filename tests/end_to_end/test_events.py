@@ -165,7 +165,8 @@ def test_watch_sits_out_a_restart_of_the_server(
     start: Start, submit: Submit, tmp_path: Path
 ) -> None:
     server = start()
-    job = submit(server, SECONDS)
+    # Long enough not to end before the server is stopped.
+    job = submit(server, {**SECONDS, "levels": 6, "iterations_per_level": 200})
     follow_until_fitting(server, job["id"])
     watch = Watch(server, job["id"], tmp_path / "said")
 
