@@ -5,7 +5,7 @@ A lost connection is no verdict on a job.
 
 import time
 import uuid
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from types import TracebackType
@@ -31,6 +31,8 @@ _LABELS = "/v1/jobs/labels"
 _POLL_EVERY_S = 0.5
 _PATIENCE_S = 300.0
 _RETRY_WITHIN_S = 30.0
+
+NO_TERMS: Mapping[str, str] = {}
 
 
 class Client:
@@ -68,14 +70,15 @@ class Client:
     ) -> None:
         self.connection.__exit__(kind, error, trace)
 
-    def submit(self, given: ContourInput | LabelInput) -> Job:
-        """Send a subject; once, however often the connection breaks on the way."""
-        key = {"Idempotency-Key": uuid.uuid4().hex}
+    def submit(self, given: ContourInput | LabelInput, terms: Mapping[str, str] = NO_TERMS) -> Job:
+        """Send a subject; once, however often the connection breaks on the way.
+
+        terms: query parameters, as `priority`.
+        """
+        how = {"params": dict(terms), "headers": {"Idempotency-Key": uuid.uuid4().hex}}
         if isinstance(given, ContourInput) and not given.references:
             body = given.request.model_dump(mode="json", exclude_unset=True)
-            return self._submitted(
-                lambda: self.connection.ask("POST", _CONTOURS, json=body, headers=key)
-            )
+            return self._submitted(lambda: self.connection.ask("POST", _CONTOURS, json=body, **how))
         address = _CONTOURS if isinstance(given, ContourInput) else _LABELS
         request = given.request.model_dump_json(exclude_unset=True)
 
@@ -86,7 +89,7 @@ class Client:
                 for name, path in _files_of(given).items():
                     file = opened.enter_context(path.open("rb"))
                     parts[name] = (path.name, file, "application/octet-stream")
-                return self.connection.ask("POST", address, files=parts, headers=key)
+                return self.connection.ask("POST", address, files=parts, **how)
 
         return self._submitted(send)
 

@@ -24,6 +24,7 @@ from cli.server_arguments import (
     ServerUrl,
     connected,
 )
+from schemas.job import Priority
 from schemas.problem import InputError, ProblemType
 
 
@@ -36,6 +37,16 @@ def submit(
     wait: Annotated[bool, typer.Option("--wait", help="Follow the job to its end.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="With --wait: folder for the artifacts.", file_okay=False)
+    ] = None,
+    priority: Annotated[
+        Priority | None, typer.Option(help="Which jobs go first; interactive, if not given.")
+    ] = None,
+    reuse: Annotated[
+        bool, typer.Option("--reuse", help="Have an earlier job of the same content and code.")
+    ] = False,
+    retain: Annotated[
+        int | None,
+        typer.Option("--retain", min=60, help="Seconds after its end that the job is kept."),
     ] = None,
     options: OptionsFile = None,
     *,
@@ -56,7 +67,8 @@ def submit(
     with connected(server, api_key, retry_within) as client:
         if not as_json and isinstance(given, ContourInput):
             tell_effort(given.request.study, given.request.options)
-        job = client.submit(given)
+        terms = {"priority": priority, "reuse": "true" if reuse else None, "retain_s": retain}
+        job = client.submit(given, {k: str(v) for k, v in terms.items() if v is not None})
         if not as_json:
             notice_console.print(
                 f"job {job.id} at {client.server}{job.links.self}", markup=False, soft_wrap=True

@@ -181,3 +181,17 @@ def test_submit_follows_by_events(api: Api, tmp_path: Path) -> None:
     ]
     assert len(counted) == 1, counted
     assert 'route="/v1/jobs/{job_id}/events",status="200"} 1.0' in counted[0]
+
+
+def test_submit_says_how_the_job_is_to_be_treated(api: Api, tmp_path: Path) -> None:
+    study = tmp_path / "request.json"
+    study.write_text(json.dumps(CONTOUR_REQUEST))
+    terms = ("--priority", "batch", "--retain", "3600")
+    sent = run(api, "submit", study, "--json", *terms)
+    assert sent.returncode == 0, sent.stderr
+    job = json.loads(sent.stdout)
+    assert job["priority"] == "batch"
+    assert api.store.folder(job["id"]).request().retain_s == 3600.0
+    # Nothing has been done yet, so there is nothing to be had again.
+    again = json.loads(run(api, "submit", study, "--json", "--reuse").stdout)
+    assert again["id"] != job["id"]
