@@ -171,10 +171,12 @@ class ObjectFolder:
         return self._bucket.get(f"{self._home}checkpoints/{checked(name)}")
 
     def write_checkpoint(self, name: str, content: bytes) -> None:
-        """Keep content under a name, in place of what was there. Raises JobGone."""
+        """Keep content under a name, unless the job has ended. Raises JobGone."""
         self._require()
         self._bucket.put(f"{self._home}checkpoints/{checked(name)}", content)
         self._require_still()
+        if self.outcome() is not None:
+            self.drop_checkpoints()
 
     def drop_checkpoints(self) -> None:
         self._delete_under(f"{self._home}checkpoints/")

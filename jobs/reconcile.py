@@ -80,6 +80,9 @@ def reconcile(
             _LOGGER.warning("job %s was not mended: %s", job_id, error)
             unread.add(job_id)
             continue
+        if mended in ("settled", "ended"):
+            # A worker may have died right before it did so.
+            folder.tidy()
         if mended == "settled":
             settled.note(job_id)
             continue

@@ -25,6 +25,7 @@ class Record:
         job. In the future while a lease lives; in the past it says how long the job has lain.
     lease_us: how long a lease was granted last, 0 while nobody has one. What lies further ahead
         than that was written before the clock went back.
+    was_released: whether a worker has handed it back; what the next one takes tells of a part only.
     """
 
     job_id: str
@@ -41,6 +42,7 @@ class Record:
     token: int = 0
     free_from_us: int = 0
     lease_us: int = 0
+    was_released: bool = False
     priority: Priority = Priority.INTERACTIVE
     idempotency: Idempotency | None = None
     traceparent: str | None = None
@@ -89,6 +91,7 @@ class Record:
             token=int(fields["token"]),
             free_from_us=int(fields["free_from_us"]),
             # These are not there in records of an older release.
+            was_released=fields.get("was_released") == "1",
             lease_us=int(fields.get("lease_us", _LONGEST_LEASE_US)),
             priority=Priority(fields.get("priority", Priority.INTERACTIVE)),
             idempotency=_idempotency(fields.get("idempotency", "")),
@@ -117,6 +120,7 @@ class Record:
             "token": str(self.token),
             "free_from_us": str(self.free_from_us),
             "lease_us": str(self.lease_us),
+            "was_released": "1" if self.was_released else "",
             "priority": self.priority.value,
             "idempotency": self.idempotency.model_dump_json() if self.idempotency else "",
             "traceparent": self.traceparent or "",

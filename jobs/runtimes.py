@@ -20,14 +20,15 @@ def note_runtime(pipe: Pipeline, before: Record | None, after: Record | None, no
 
     The worker has measured it, by a clock that does not jump. Where it says nothing, its token is
     the instant of its claim by the Redis clock, and its own end keeps it; a clock that went back
-    meanwhile has measured nothing. Later attempts are left out: what an earlier one had published
-    is only confirmed.
+    meanwhile has measured nothing. Later attempts are left out, and those on a job that was
+    handed back: they confirm, or go on with, what an earlier one has done.
     """
     if (
         before
         and after
         and (before.state, after.state) == (JobState.RUNNING, JobState.SUCCEEDED)
         and before.attempt == 1
+        and not before.was_released
         and before.token == after.token
     ):
         runtime_s = sum(after.stage_s.values()) or (now_us - before.token) / 1e6

@@ -66,7 +66,13 @@ def finished(record: Record | None, token: int, outcome: Outcome) -> Record:
 
 def released(record: Record | None, token: int, now_us: int) -> Record:
     """Handed back unfinished. It does not count as an attempt: only lost workers do."""
-    held = replace(_held(record, token), token=token + 1, free_from_us=now_us, lease_us=0)
+    held = replace(
+        _held(record, token),
+        token=token + 1,
+        free_from_us=now_us,
+        lease_us=0,
+        was_released=True,
+    )
     if held.state is not JobState.RUNNING:
         return held
     return replace(held.to(JobState.QUEUED), attempt=held.attempt - 1, progress=Progress())

@@ -39,10 +39,11 @@ class TrackedSurfaceReport(WireModel):
     rest_frame: str = Field(description="The frame whose mesh was carried: of the largest volume.")
     vertices: int
     triangles: int
-    drift_mean_mm: float = Field(
+    drift_mean_mm: float | None = Field(
+        default=None,
         description="How far from where they began vertices are when the mesh is carried on from "
-        "the last frame onto the first surface again."
+        "the last frame onto the first surface again. null where the frames are no whole cycle.",
     )
-    drift_max_mm: float
+    drift_max_mm: float | None = None
     not_observed: str = Field(description="What of the motion no contour shows.")
     frames: dict[str, TrackedFrameReport] = Field(description="By the frame's label.")

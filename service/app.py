@@ -114,7 +114,7 @@ def create_app(settings: ServiceSettings | None = None) -> FastAPI:
     ):
         app.include_router(part.router)
     requests = RequestMetrics()
-    app.include_router(metrics_route(requests.registry, access, desk))
+    app.include_router(metrics_route(requests.registry, access, desk, issuer_keys))
     app.add_middleware(Audited, log=AuditLog.of_settings(settings))
     app.add_middleware(
         BodyLimit, max_bytes=settings.max_request_bytes, within_s=settings.body_within_s

@@ -27,6 +27,9 @@ class HostMetrics(Collector):
             space = None
         else:
             up.add_metric([], 1.0)
+            odd = GaugeMetricFamily("neuralmri_quarantined_folders", "What was no job.")
+            odd.add_metric([], quarantined)
+            yield odd
         if space is not None:
             size = GaugeMetricFamily("neuralmri_store_size_bytes", "Of the store's file system.")
             size.add_metric([], space.total_bytes)
@@ -34,9 +37,6 @@ class HostMetrics(Collector):
             free = GaugeMetricFamily("neuralmri_store_free_bytes", "Left for the service's user.")
             free.add_metric([], space.free_bytes)
             yield free
-            odd = GaugeMetricFamily("neuralmri_quarantined_folders", "What was no job.")
-            odd.add_metric([], quarantined)
-            yield odd
         yield up
         build = GaugeMetricFamily("neuralmri_build_info", "Always 1.", labels=["version", "python"])
         build.add_metric([version("neuralmri"), platform.python_version()], 1.0)

@@ -13,6 +13,7 @@ from service.host_metrics import HostMetrics
 from service.job_metrics import JobMetrics
 from service.readiness_metrics import ReadinessMetrics
 from service.route_template import method_and_route
+from service.tokens.keys_at_hand import KeysAtHand
 from service.webhooks.desk import WebhookDesk
 from service.webhooks.metrics import WebhookMetrics
 
@@ -61,12 +62,14 @@ class RequestMetrics:
         return watched
 
 
-def metrics_route(registry: CollectorRegistry, access: JobAccess, desk: WebhookDesk) -> APIRouter:
+def metrics_route(
+    registry: CollectorRegistry, access: JobAccess, desk: WebhookDesk, issuer_keys: KeysAtHand
+) -> APIRouter:
     """GET /metrics."""
     router = APIRouter(tags=["operation"])
     registry.register(JobMetrics(access))
     registry.register(HostMetrics(access.store))
-    registry.register(ReadinessMetrics(access))
+    registry.register(ReadinessMetrics(access, issuer_keys))
     registry.register(WebhookMetrics(desk.endpoints, desk.outbox, desk.attempts))
 
     @router.get(

@@ -4,10 +4,11 @@ from redis.exceptions import RedisError, ResponseError
 
 from schemas.problem import ProblemPart
 from service.access import JobAccess
+from service.tokens.keys_at_hand import KeysAtHand
 
 
-def missing(access: JobAccess) -> list[ProblemPart]:
-    """Each part that is not ready, named by its pointer: `workers`, `redis`, `store`."""
+def missing(access: JobAccess, issuer_keys: KeysAtHand) -> list[ProblemPart]:
+    """Each part that is not ready, by its pointer: `workers`, `redis`, `store`, `issuer`."""
     found: list[ProblemPart] = []
     try:
         access.workers.check_heard()
@@ -24,6 +25,8 @@ def missing(access: JobAccess) -> list[ProblemPart]:
     trouble = access.store.trouble()
     if trouble is not None:
         found.append(ProblemPart(pointer="store", detail=trouble))
+    if (why := issuer_keys.missing()) is not None:
+        found.append(ProblemPart(pointer="issuer", detail=why))
     return found
 
 

@@ -7,18 +7,20 @@ from prometheus_client.registry import Collector
 
 from service.access import JobAccess
 from service.readiness import missing
+from service.tokens.keys_at_hand import KeysAtHand
 
-_PARTS = ("redis", "store", "workers")
+_PARTS = ("issuer", "redis", "store", "workers")
 
 
 class ReadinessMetrics(Collector):
     """One gauge a part, so that an alert can say which one it is."""
 
-    def __init__(self, access: JobAccess) -> None:
+    def __init__(self, access: JobAccess, issuer_keys: KeysAtHand) -> None:
         self._access = access
+        self._issuer_keys = issuer_keys
 
     def collect(self) -> Iterator[Metric]:
-        failing = {part.pointer for part in missing(self._access)}
+        failing = {part.pointer for part in missing(self._access, self._issuer_keys)}
         ready = GaugeMetricFamily(
             "neuralmri_ready",
             "Whether this part is ready; a service is when all of them are.",

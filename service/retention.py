@@ -9,6 +9,7 @@ from jobs.expiry import due, expires_at
 from jobs.folder import JobFolder
 from jobs.record import instant
 from jobs.redis_clock import now_us
+from jobs.store_errors import StoreUnavailable
 from schemas.audit import Action, AuditEntry, AuditOutcome
 from service.access import JobAccess
 from service.audit_log import AuditLog
@@ -57,6 +58,13 @@ class Retention:
         except JobGone:
             access.records.forget(job_id)
             return False
+        except ValueError:  # nobody had read it since it ended
+            if access.store.set_aside([job_id]):
+                access.records.forget(job_id)
+            return False
+        except (OSError, StoreUnavailable) as error:
+            log.warning("job %s has expired and cannot be read: %s", job_id, error)
+            return False
         expiry = expires_at(request, outcome)
         if outcome is None or expiry is None or expiry > now:
             access.records.forget(job_id)
@@ -66,7 +74,7 @@ class Retention:
         access.erased.remember(job_id, request.owner)
         try:
             ending.erase(folder, access.records)
-        except OSError:
+        except (OSError, StoreUnavailable):
             log.exception("job %s has expired and cannot be erased", job_id)
             self._note(AuditOutcome.FAILED, job_id, request.owner, outcome.finished_at, expiry)
             return False

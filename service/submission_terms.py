@@ -23,7 +23,8 @@ _PRIORITY = (
 )
 _REUSE = (
     "Have an earlier job of yours, where one has succeeded with the same study, options and files "
-    "by the code that the workers have now: 200 and that job. Otherwise a new one is accepted."
+    "by the code that the workers have now: 200 and that job. Otherwise a new one is accepted. "
+    "Not together with `batch`."
 )
 _IDEMPOTENCY_KEY = (
     "A name of your own for this request, best a UUID, to send it again by: whatever became of the "
@@ -52,6 +53,12 @@ class SubmissionTerms:
                 ProblemType.INVALID_REQUEST,
                 "a job has a name only within a batch. Remedy: send `batch` too, or no `name`.",
                 pointer="/query/name",
+            )
+        if reuse and batch is not None:
+            raise InputError(
+                ProblemType.INVALID_REQUEST,
+                "an earlier job cannot join a batch. Remedy: send `reuse` or `batch`, not both.",
+                pointer="/query/reuse",
             )
         self.priority = priority or (Priority.BATCH if batch else Priority.INTERACTIVE)
         self.batch = batch

@@ -34,6 +34,7 @@ GNU_TEXTS = {
     "numpy": "libgfortran and libquadmath in its wheel: GPL with the runtime exception, LGPL",
     "pillow": "a list of what xz's sources hold; of them the wheel has liblzma alone, 0BSD",
     "scipy": "the same libraries as numpy",
+    "setuptools": "autocommand, LGPL-3.0, unmodified in a folder of its own; nothing here loads it",
     "shapely": "GEOS in its wheel: LGPL-2.1, a shared library of its own that can be exchanged",
     "torch": "the tests of a library that a profiler's sources hold; a text, no program",
     "typing-extensions": "Python's own licence, which tells that it fits the GPL",

@@ -10,6 +10,7 @@ import logging
 from collections.abc import Callable
 
 from jobs.folder import JobFolder
+from jobs.store_errors import StoreUnavailable
 
 _LOGGER = logging.getLogger(__name__)
 _FORM = b"neuralmri checkpoint 1\n"
@@ -33,7 +34,7 @@ class JobCheckpoints:
     def load(self, key: str) -> bytes | None:
         try:
             held = self._folder.read_checkpoint(key)
-        except OSError as error:
+        except (OSError, StoreUnavailable) as error:
             _LOGGER.warning("checkpoint %s cannot be read, it is done anew: %s", key, error)
             return None
         if held is None:
@@ -52,13 +53,13 @@ class JobCheckpoints:
         return content
 
     def save(self, key: str, content: bytes) -> None:
-        """Raises JobGone where the job was erased. A disk that fails costs the checkpoint only."""
+        """Raises JobGone where the job was erased. A store that fails costs the checkpoint only."""
         if self._is_told_to_stop():
             return
         held = self._head(key) + hashlib.sha256(content).digest() + content
         try:
             self._folder.write_checkpoint(key, held)
-        except OSError as error:
+        except (OSError, StoreUnavailable) as error:
             if not self._has_warned:
                 _LOGGER.warning("no checkpoint is kept, the job goes on without: %s", error)
             self._has_warned = True

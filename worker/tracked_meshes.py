@@ -7,6 +7,7 @@ from schemas.vocabulary import Structure
 from worker.evaluation.distance import nearest_on_surface
 from worker.evaluation.size import volume_ml
 from worker.observer import Observer
+from worker.reconstruction.cycle import in_time
 from worker.reconstruction.result import Reconstruction
 from worker.remeshing.remeshing import remesh
 from worker.surface_mesh import SurfaceMesh
@@ -32,11 +33,9 @@ def tracked_surfaces(
     if not options.tracked_meshes:
         return found, warnings
     for structure in dict.fromkeys(s for fit in reconstruction.frames for s in fit.surfaces):
-        surfaces = [
-            (fit.label, fit.surfaces[structure])
-            for fit in reconstruction.frames
-            if structure in fit.surfaces
-        ]
+        fits = [fit for fit in reconstruction.frames if structure in fit.surfaces]
+        order = in_time([fit.time_ms for fit in fits])
+        surfaces = [(fits[i].label, fits[i].surfaces[structure]) for i in order]
         if len(surfaces) < FEWEST_FRAMES:
             warnings.append(
                 f"{structure} was not tracked: {len(surfaces)} frames have it, and "
@@ -45,7 +44,8 @@ def tracked_surfaces(
             continue
         largest = int(np.argmax([volume_ml(mesh) for _, mesh in surfaces]))
         rest = _even(surfaces[largest][1], options, observer)
-        found[structure] = track(rest, surfaces, largest, observer)
+        is_whole_cycle = options.sequence.whole_cycle
+        found[structure] = track(rest, surfaces, largest, observer, is_whole_cycle=is_whole_cycle)
     return found, warnings
 
 

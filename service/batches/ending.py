@@ -1,5 +1,7 @@
 """The end of a whole batch: every job cancelled, or everything erased."""
 
+from collections.abc import Callable
+
 from jobs import ending
 from schemas.batch import BatchRecord
 from service.access import JobAccess, no_such_batch
@@ -25,10 +27,11 @@ def cancel_batch(access: JobAccess, record: BatchRecord) -> BatchRecord:
     return record
 
 
-def erase_batch(access: JobAccess, record: BatchRecord) -> list[str]:
-    """Erase every job of the batch, then its record; return the ids of the jobs. Idempotent.
+def erase_batch(access: JobAccess, record: BatchRecord, begin: Callable[[list[str]], None]) -> None:
+    """Erase every job of the batch, then its record. Idempotent.
 
-    In this order, so that a crash in between may be repeated.
+    In this order, so that a crash in between may be repeated. `begin` is told the ids of the jobs
+    before the first goes, those included that an erasure cut short has erased already.
     """
     if record.pending:
         with access.batches.turn(tail_of(record)):
@@ -37,11 +40,13 @@ def erase_batch(access: JobAccess, record: BatchRecord) -> list[str]:
     job_ids = [
         job_id
         for job_id in member_ids(access, record)
-        if access.store.folder(job_id).exists() or access.records.get(job_id) is not None
+        if access.store.folder(job_id).exists()
+        or access.records.get(job_id) is not None
+        or access.erased.owner_of(job_id) is not None
     ]
+    begin(job_ids)
     for job_id in job_ids:
         access.erased.remember(job_id, record.owner)
         ending.erase(access.store.folder(job_id), access.records)
     access.erased.remember(record.batch_id, record.owner)
     access.batches.erase(record.batch_id)
-    return job_ids

@@ -8,6 +8,7 @@ from redis.exceptions import RedisError
 
 from jobs import log_context
 from jobs.admission import Verdict
+from jobs.store_errors import StoreUnavailable
 from schemas.batch import BatchItem, BatchRecord
 from schemas.messages import JobRequest
 from schemas.problem import InternalError, ProblemType, ServiceError
@@ -17,6 +18,8 @@ from service.batches.book import Turn, still_taken_in
 from service.refusals import no_room
 
 _FULL = (errno.ENOSPC, errno.EDQUOT)
+_AWAY = (ProblemType.UNAVAILABLE, ProblemType.STORE_UNAVAILABLE)
+"""Nothing is said of a study by these: it stays pending."""
 
 
 def take_in(
@@ -28,8 +31,9 @@ def take_in(
     and so was one that its owner has erased since. With `until_room` what finds no room now stays
     pending.
 
-    Raises InternalError (unavailable, 503) where Redis fails on the way: the record is as it was,
-    unless nothing was accepted and its sender is here to send it again; then the batch is erased.
+    Raises InternalError (unavailable, 503) where Redis or the store fails on the way: the record is
+    as it was, unless nothing was accepted and its sender is here to send it again; then the batch
+    is erased.
     Raises InputError (409) where the turn is lost to another.
     """
     if not record.pending:
@@ -47,7 +51,7 @@ def take_in(
         except ServiceError as error:
             if error.type is ProblemType.IDEMPOTENCY_KEY_PENDING:
                 raise
-            if error.type is ProblemType.UNAVAILABLE:
+            if error.type in _AWAY:
                 raise _interrupted(access, record, turn, may_erase=not until_room) from error
             if until_room:
                 waiting.append(request)
@@ -105,13 +109,19 @@ def _accept(access: JobAccess, request: JobRequest) -> None:
         ) from error
 
 
+def _may_hold_one(access: JobAccess, record: BatchRecord) -> bool:
+    """Whether a job of the batch is there, as far as the store can be asked."""
+    try:
+        return any(access.store.folder(job_id).exists() for job_id in record.job_ids)
+    except StoreUnavailable:
+        return True
+
+
 def _interrupted(
     access: JobAccess, record: BatchRecord, turn: Turn, *, may_erase: bool
 ) -> InternalError:
-    """The answer where Redis fails on the way."""
-    if not (may_erase and turn.is_held) or any(
-        access.store.folder(job_id).exists() for job_id in record.job_ids
-    ):
+    """The answer where Redis or the store fails on the way."""
+    if not (may_erase and turn.is_held) or _may_hold_one(access, record):
         return InternalError(
             ProblemType.UNAVAILABLE,
             f"the queue cannot be reached; batch {record.batch_id} is stored, and what of it was "

@@ -98,4 +98,8 @@ def erase_batch_jobs(batch_id: str, access: Access, request: Request) -> None:
     is_gone = is_batch_id(batch_id) and access.batches.read(batch_id) is None
     if is_gone and access.has_erased(batch_id):
         return
-    request.state.jobs_of_batch = erase_batch(access, access.batch(batch_id))
+
+    def begin(job_ids: list[str]) -> None:
+        request.state.jobs_of_batch = job_ids
+
+    erase_batch(access, access.batch(batch_id), begin)

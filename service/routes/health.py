@@ -3,11 +3,10 @@
 from fastapi import APIRouter, Request
 
 from schemas.base import WireModel
-from schemas.problem import InternalError, ProblemPart, ProblemType
+from schemas.problem import InternalError, ProblemType
 from service.access import Access
 from service.documented import problems
 from service.readiness import missing
-from service.tokens.keys_at_hand import KeysAtHand
 
 router = APIRouter(tags=["operation"])
 
@@ -38,10 +37,7 @@ def readyz(access: Access, request: Request) -> Ready:
     A worker has to show it: by a heartbeat that it took from the queue and finished within the last
     minute, store included, or by a job that it holds.
     """
-    lacking = missing(access)
-    issuer_keys: KeysAtHand = request.app.state.issuer_keys
-    if (why := issuer_keys.missing()) is not None:
-        lacking.append(ProblemPart(pointer="issuer", detail=why))
+    lacking = missing(access, request.app.state.issuer_keys)
     if lacking:
         raise InternalError(
             ProblemType.UNAVAILABLE,

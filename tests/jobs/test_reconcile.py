@@ -97,9 +97,9 @@ def test_a_lost_message_is_sent_again_once(
 def test_a_job_whose_worker_died_is_sent_again(
     store: JobStore, records: JobRecords, queue: JobQueue, redis: Redis, job: Job
 ) -> None:
-    claimed(records, redis, job, lease_s=0.5)
+    claimed(records, redis, job, lease_s=3.0)
     assert not reconcile(store, records, queue, 0.0).is_something
-    time.sleep(0.6)
+    time.sleep(3.1)
     assert reconcile(store, records, queue, 0.0).enqueued == (job.id,)
     assert state(records, job) is JobState.QUEUED
 

@@ -135,6 +135,11 @@ def test_only_what_a_worker_did_in_one_go_is_a_runtime(
     records.restore(JobRequest.model_validate(_request(told)), outcome(JobState.SUCCEEDED))
     records.claim(retried, 0.0, 3)
     done(records, retried, 0.0)
+    handed_back = accept()
+    token = records.claim(handed_back, 60.0, 3).token
+    assert token is not None
+    records.released(handed_back, token)
+    done(records, handed_back, 0.0)
     assert seconds_per_work(redis) is None
     done(records, lost, 0.2)
     done(records, accept(), 0.4)

@@ -89,7 +89,12 @@ def test_labels_have_few_values_whatever_callers_do(api: Api) -> None:
 
 
 def test_readiness_is_said_part_by_part(api: Api) -> None:
-    assert samples(api)["neuralmri_ready"] == {("redis",): 1.0, ("store",): 1.0, ("workers",): 0.0}
+    assert samples(api)["neuralmri_ready"] == {
+        ("issuer",): 1.0,
+        ("redis",): 1.0,
+        ("store",): 1.0,
+        ("workers",): 0.0,
+    }
     api.workers.heartbeat("worker@test")
     assert samples(api)["neuralmri_ready"][("workers",)] == 0.0, "alive, and nothing done"
     api.workers.finished_heartbeat()
@@ -100,7 +105,7 @@ def test_readiness_is_said_part_by_part(api: Api) -> None:
     found = samples(api)["neuralmri_ready"]
     api.store.root.unlink()
     api.store.root.mkdir()
-    assert found == {("redis",): 1.0, ("store",): 0.0, ("workers",): 1.0}
+    assert found == {("issuer",): 1.0, ("redis",): 1.0, ("store",): 0.0, ("workers",): 1.0}
 
 
 def test_what_was_put_into_quarantine_is_counted(api: Api) -> None:

@@ -1,16 +1,20 @@
 """Expired jobs are erased once, with proof; nothing is while the clock is in doubt."""
 
+import shutil
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 
+from jobs.disk_folder import DiskFolder
 from jobs.reconcile import reconcile
+from jobs.store_errors import StoreUnavailable
 from schemas.job import JobState
-from schemas.messages import Outcome
+from schemas.messages import JobRequest, Outcome
 from schemas.problem import ProblemType
 from service.access import JobAccess
 from service.audit_log import AuditLog
@@ -130,3 +134,29 @@ def test_a_caller_may_ask_for_less_than_the_service_keeps_never_for_more(
         assert api.store.folder(job_id).request().retain_s == retain_s
     answer = api.client.post("/v1/jobs/contours?retain_s=86401", json=CONTOUR_REQUEST)
     assert problem_of(answer, 422, ProblemType.INVALID_REQUEST).pointer == "/query/retain_s"
+
+
+@pytest.mark.parametrize("text", ["{", "[]"])
+def test_a_damaged_job_keeps_no_other_from_being_erased(api: Api, text: str) -> None:
+    damaged, old = (ended(api, submitted(api), LONG) for _ in range(2))
+    (api.store.folder(damaged).path / "request.json").write_text(text)
+    assert retention(api).erase_expired() == 1
+    assert not api.store.folder(old).exists()
+    assert api.store.quarantined() == 1
+    assert api.records.get(damaged) is None
+    shutil.rmtree(api.settings.data_dir / "quarantine")  # others count it too
+
+
+def test_a_job_that_cannot_be_read_now_waits(api: Api) -> None:
+    away, old = (ended(api, submitted(api), LONG) for _ in range(2))
+    real = DiskFolder.request
+
+    def request(folder: DiskFolder) -> JobRequest:
+        if folder.job_id == away:
+            raise StoreUnavailable("away")
+        return real(folder)
+
+    with patch.object(DiskFolder, "request", request):
+        assert retention(api).erase_expired() == 1
+    assert not api.store.folder(old).exists()
+    assert retention(api).erase_expired() == 1

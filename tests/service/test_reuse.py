@@ -11,12 +11,14 @@ import pytest
 from jobs.reconcile import reconcile
 from schemas.job import JobState
 from schemas.messages import Outcome
+from schemas.problem import ProblemType
 from service.access import JobAccess
 from service.examples import CONTOUR_REQUEST
 from service.settings import ServiceSettings
 from tests.service.callers import bearer, new_key
 from tests.service.conftest import Api
 from tests.service.jobs_done import claim, finish
+from tests.service.test_jobs import problem_of
 from tests.service.test_submit_labels import GOOD, form
 
 CODE = "c" * 64
@@ -157,3 +159,11 @@ def test_a_restart_without_a_change_is_the_same_content(api: Api) -> None:
     other = {"options": {"seed": 9}}
     answer = api.client.post(f"/v1/jobs/{job_id}/restart", params=query, json=other)
     assert answer.status_code == 202
+
+
+def test_an_earlier_job_joins_no_batch(api: Api) -> None:
+    batch = api.client.post("/v1/batches").json()["id"]
+    address = f"/v1/jobs/contours?reuse=true&batch={batch}"
+    answer = api.client.post(address, json=CONTOUR_REQUEST)
+    assert problem_of(answer, 422, ProblemType.INVALID_REQUEST).pointer == "/query/reuse"
+    assert api.store.ids() == []

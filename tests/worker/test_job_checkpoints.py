@@ -10,6 +10,7 @@ import pytest
 from jobs.errors import JobGone
 from jobs.folder import JobFolder
 from jobs.store import JobStore
+from jobs.store_errors import StoreUnavailable
 from schemas.options import Options
 from worker import fingerprint as fingerprints
 from worker.fingerprint import fingerprint
@@ -142,3 +143,17 @@ def test_whatever_decides_the_result_is_in_the_fingerprint(
             patch.setattr(fingerprints, of_code_or_machine, lambda: "another")
             others.append(fingerprint(options, made_by))
     assert len({here, *others}) == 1 + len(others)
+
+
+def test_a_bucket_that_is_away_costs_the_checkpoint_alone(
+    folder: JobFolder, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def away(*_: object) -> None:
+        raise StoreUnavailable("no answer")
+
+    for step in ("read_checkpoint", "write_checkpoint"):
+        monkeypatch.setattr(type(folder), step, away)
+    checkpoints = opened(folder)
+    assert checkpoints.load(KEY) is None
+    checkpoints.save(KEY, CONTENT)
+    assert "no answer" in caplog.text

@@ -63,8 +63,8 @@ class TrackedSurface:
     faces: Faces
     rest: int
     frames: tuple[TrackedFrame, ...]
-    drift_mean_mm: float
-    drift_max_mm: float
+    drift_mean_mm: float | None
+    drift_max_mm: float | None
     not_observed: str = NOT_OBSERVED
 
     def mesh(self, frame: int) -> SurfaceMesh:

@@ -18,8 +18,12 @@ def track(
     surfaces: Sequence[tuple[str, SurfaceMesh]],
     rest_frame: int,
     observer: Observer | None = None,
+    *,
+    is_whole_cycle: bool = True,
 ) -> TrackedSurface:
     """Carry `rest` onto the surface of every frame, in order from its own, round the cycle.
+
+    Where the frames are no whole cycle, it is carried forward to the last and back to the first.
 
     Args:
         rest: Even triangles on the surface of frame `rest_frame`; closed, outward, mm.
@@ -35,28 +39,39 @@ def track(
     count = len(surfaces)
     vertices = np.empty((count, *rest.vertices_mm.shape))
     frames = {}
-    now = before = Carried(rest.vertices_mm, rest.vertices_mm)
-    for passed in range(count + 1):
-        if watcher.is_cancelled():
-            raise Cancelled
-        index = (rest_frame + passed) % count
-        label, mesh = surfaces[index]
-        surface = FrameSurface(mesh)
-        if passed:
-            carried = carrier.carried(now, surface)
-            sound = untangler.untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface)
-            before, now = now, Carried(sound.vertices_mm, carried.copy_mm)
-        if passed < count:
-            vertices[index] = now.vertices_mm
-            frames[index] = measured(
-                label, SurfaceMesh(now.vertices_mm, rest.faces), surface, rest, before.vertices_mm
-            )
-    drift_mm = np.linalg.norm(now.vertices_mm - rest.vertices_mm, axis=1)
+    start = Carried(rest.vertices_mm, rest.vertices_mm)
+    drift_mm: np.ndarray | None = None
+    for indices in _ways(rest_frame, count, is_whole_cycle=is_whole_cycle):
+        now = before = start
+        for passed, index in enumerate(indices):
+            if watcher.is_cancelled():
+                raise Cancelled
+            label, mesh = surfaces[index]
+            surface = FrameSurface(mesh)
+            if passed:
+                carried = carrier.carried(now, surface)
+                sound = untangler.untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface)
+                before, now = now, Carried(sound.vertices_mm, carried.copy_mm)
+            if passed and index == rest_frame:
+                drift_mm = np.linalg.norm(now.vertices_mm - rest.vertices_mm, axis=1)
+            else:
+                vertices[index] = now.vertices_mm
+                here = SurfaceMesh(now.vertices_mm, rest.faces)
+                frames[index] = measured(label, here, surface, rest, before.vertices_mm)
     return TrackedSurface(
         vertices_mm=vertices,
         faces=rest.faces,
         rest=rest_frame,
         frames=tuple(frames[index] for index in range(count)),
-        drift_mean_mm=float(drift_mm.mean()),
-        drift_max_mm=float(drift_mm.max()),
+        drift_mean_mm=None if drift_mm is None else float(drift_mm.mean()),
+        drift_max_mm=None if drift_mm is None else float(drift_mm.max()),
     )
+
+
+def _ways(rest: int, count: int, *, is_whole_cycle: bool) -> list[list[int]]:
+    """Frames in the order in which the mesh comes to them, from `rest`: round and back to it, or
+    to either end.
+    """
+    if is_whole_cycle:
+        return [[(rest + passed) % count for passed in range(count + 1)]]
+    return [list(range(rest, count)), list(range(rest, -1, -1))]

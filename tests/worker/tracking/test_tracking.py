@@ -123,3 +123,16 @@ def test_what_is_not_closed_is_refused_and_a_stop_is_heard() -> None:
 
     with pytest.raises(Cancelled):
         track(mesh, [("A", mesh)], 0, Stopping())
+
+
+def test_half_a_cycle_is_followed_to_both_ends_and_has_no_drift() -> None:
+    beat = Beat()
+    surfaces = [
+        (f"t{i}", own_surface(beat, phase, outer=False)) for i, phase in enumerate(phases(6)[:4])
+    ]
+    half = track(surfaces[1][1], surfaces, 1, is_whole_cycle=False)
+    assert (half.drift_mean_mm, half.drift_max_mm) == (None, None)
+    assert [frame.label for frame in half.frames] == ["t0", "t1", "t2", "t3"]
+    np.testing.assert_array_equal(half.vertices_mm[1], surfaces[1][1].vertices_mm)
+    onward = track(surfaces[1][1], surfaces[1:], 0, is_whole_cycle=False)
+    np.testing.assert_array_equal(half.vertices_mm[1:], onward.vertices_mm)
