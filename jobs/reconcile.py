@@ -11,6 +11,7 @@ from jobs.queue import JobQueue
 from jobs.records import JobRecords
 from jobs.settled import Settled
 from jobs.store import JobStore
+from jobs.store_errors import StoreUnavailable
 from schemas.job import JobState
 from schemas.messages import JobRequest, ReconstructMessage
 
@@ -80,11 +81,10 @@ def reconcile(
             _LOGGER.warning("job %s was not mended: %s", job_id, error)
             unread.add(job_id)
             continue
-        if mended in ("settled", "ended"):
-            # A worker may have died right before it did so.
-            folder.tidy()
+        is_tidy = mended in ("settled", "ended") and _is_tidied(folder)
         if mended == "settled":
-            settled.note(job_id)
+            if is_tidy:
+                settled.note(job_id)
             continue
         if mended:
             done[mended].append(job_id)
@@ -135,6 +135,19 @@ def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"
     if job.state is JobState.CANCELLING:
         return "ended" if cancel(folder, records) is JobState.CANCELLED else None
     return None
+
+
+def _is_tidied(folder: JobFolder) -> bool:
+    """Remove what attempts left, in place of a worker that died right before it did so.
+
+    Where that fails no other job waits for it; the next round tries again.
+    """
+    try:
+        folder.tidy()
+    except (OSError, StoreUnavailable) as error:
+        _LOGGER.warning("job %s leaves what is not its results: %s", folder.job_id, error)
+        return False
+    return True
 
 
 def _request(folder: JobFolder) -> JobRequest:

@@ -10,7 +10,9 @@ from jobs.ending import cancel, erase
 from jobs.queue import JobQueue
 from jobs.reconcile import Reconciled, reconcile
 from jobs.records import JobRecords
+from jobs.settled import Settled
 from jobs.store import JobStore
+from jobs.store_errors import StoreUnavailable
 from jobs.submission import submit
 from schemas.job import Job, JobState
 from schemas.messages import JobRequest, Outcome
@@ -184,3 +186,30 @@ def test_erasing_while_reconciling_leaves_nothing(
         thread.join()
     assert remains(store) == []
     assert records.ids() == []
+
+
+@pytest.mark.parametrize("error", [OSError("read-only"), StoreUnavailable("away")])
+def test_what_attempts_left_is_tidied_after_a_death_and_holds_up_nobody(
+    store: JobStore,
+    records: JobRecords,
+    queue: JobQueue,
+    redis: Redis,
+    job: Job,
+    monkeypatch: pytest.MonkeyPatch,
+    error: Exception,
+) -> None:
+    token = claimed(records, redis, job)
+    folder = store.folder(job.id)
+    folder.write_checkpoint("fit", b"after level 2")
+    records.finished(job.id, token, folder.write_outcome(outcome(JobState.SUCCEEDED)))
+
+    def failing(_: object) -> None:
+        raise error
+
+    settled = Settled()
+    with monkeypatch.context() as patch:
+        patch.setattr(type(folder), "tidy", failing)
+        assert not reconcile(store, records, queue, LONG_S, settled).is_something
+    assert folder.read_checkpoint("fit") is not None
+    assert not reconcile(store, records, queue, LONG_S, settled).is_something
+    assert folder.read_checkpoint("fit") is None
