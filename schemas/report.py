@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field
 
 from schemas.base import WireModel
+from schemas.cycle_report import CycleReport
 from schemas.frame_report import FailedFrameReport, FrameReport
 from schemas.options import Options
 from schemas.tracking_report import TrackedSurfaceReport
@@ -64,6 +65,9 @@ class Report(WireModel):
         description="Frames of the study without results, while others have them.",
     )
     function: FunctionReport | None = None
+    cycle: CycleReport | None = Field(
+        default=None, description="Of studies with three frames or more."
+    )
     tracking: dict[Structure, TrackedSurfaceReport] = Field(
         default_factory=dict, description="Empty unless `tracked_meshes` was asked for."
     )
