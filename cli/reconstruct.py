@@ -1,5 +1,6 @@
 """`neuralmri reconstruct`: the whole pipeline in this process, no server."""
 
+import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -33,6 +34,14 @@ def reconstruct(
     threads: Annotated[
         int, typer.Option(min=1, envvar="NEURALMRI_THREADS", help="Threads of the arithmetic.")
     ] = 1,
+    processes: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            envvar="NEURALMRI_PROCESSES",
+            help="Frames worked on at a time.  [default: one per core]",
+        ),
+    ] = None,
     reference: References = None,
     format_settings: FormatSettings = None,
     as_json: JsonFlag = False,
@@ -61,6 +70,7 @@ def reconstruct(
                 reading.options,
                 staging,
                 threads=threads,
+                processes=processes or max(1, (os.cpu_count() or 1) // threads),
                 input_sha256=reading.input_sha256,
                 warnings=reading.warnings,
                 references=reading.references,

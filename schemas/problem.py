@@ -6,6 +6,7 @@ ServiceError
 """
 
 from enum import StrEnum
+from typing import Any
 
 from pydantic import Field
 
@@ -130,6 +131,10 @@ class ServiceError(Exception):
         self.errors = errors or []
         self.retry_after_s = retry_after_s
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # `args` is the detail alone, and would not make it again in another process.
+        return _again, (type(self), self.args), self.__dict__
+
     def problem(self, instance: str | None = None) -> Problem:
         return Problem(
             type=self.type.uri,
@@ -141,6 +146,10 @@ class ServiceError(Exception):
             pointer=self.pointer,
             errors=self.errors,
         )
+
+
+def _again(kind: type[ServiceError], args: tuple[Any, ...]) -> ServiceError:
+    return kind.__new__(kind, *args)
 
 
 class InputError(ServiceError):

@@ -5,15 +5,14 @@ Each end is a complete fit of its own: its learning rate decays to the end of it
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 
 from intake.references import check_reference_surfaces
-from schemas.job import Progress
 from schemas.options import Holdout, Options
 from schemas.problem import InputError, ProblemType
 from schemas.study import ContourStudy
 from worker.ablation_row import AblatedSurface, measured_level
 from worker.observer import Observer, Unobserved
+from worker.progress_share import ProgressShare
 from worker.reconstruction.pipeline import reconstruct
 from worker.reconstruction.sampling import level_radius
 from worker.surface_mesh import SurfaceMesh
@@ -78,24 +77,8 @@ def ablate(
     cost, done = sum(fit.levels for fit in fits.values()), 0
     found: list[AblatedSurface] = []
     for level, fit in fits.items():
-        share = _Share(observer or Unobserved(), done / cost, fit.levels / cost)
+        share = ProgressShare(observer or Unobserved(), done / cost, (done + fit.levels) / cost)
         for frame in reconstruct(study, fit, share).frames:
             found += measured_level(level, frame, fit, references)
         done += fit.levels
     return found
-
-
-@dataclass(frozen=True)
-class _Share:
-    """Passes a fit's progress on as the part of all fits that begins at `start`."""
-
-    whole: Observer
-    start: float
-    share: float
-
-    def advanced(self, progress: Progress) -> None:
-        fraction = min(self.start + self.share * progress.fraction, 1.0)
-        self.whole.advanced(progress.model_copy(update={"fraction": fraction}))
-
-    def is_cancelled(self) -> bool:
-        return self.whole.is_cancelled()

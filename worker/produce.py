@@ -15,7 +15,13 @@ from worker.subject import run
 
 
 def produce(
-    folder: JobFolder, out_dir: Path, observer: Observer, *, threads: int, limits: Limits
+    folder: JobFolder,
+    out_dir: Path,
+    observer: Observer,
+    *,
+    threads: int,
+    processes: int = 1,
+    limits: Limits,
 ) -> Manifest:
     """Compute what the job asks for into `out_dir`, going on from where an earlier attempt came.
 
@@ -30,6 +36,7 @@ def produce(
         options,
         out_dir,
         threads=threads,
+        processes=processes,
         input_sha256=input_sha256,
         warnings=reading.warnings,
         references=reading.references,

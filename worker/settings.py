@@ -16,6 +16,13 @@ class WorkerSettings(LimitSettings, JobSettings):
         description="Threads of one job. One is fastest when workers fill the cores, and the count "
         "changes the last digits of a result.",
     )
+    processes: int = Field(
+        default=1,
+        ge=1,
+        le=64,
+        description="Processes of one job, that many frames of a study at a time; the bytes of a "
+        "result are the same.",
+    )
     max_tasks_per_child: int = Field(
         default=20, ge=1, description="Jobs after which a child process is replaced."
     )

@@ -16,25 +16,30 @@ from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
-from schemas.surface_name import SurfaceName
-from schemas.vocabulary import Axes, Structure
 from worker.artifacts.manifest import describe
-from worker.artifacts.measured import Measured
-from worker.artifacts.meshes import write_mesh
 from worker.artifacts.page.html import render_html
 from worker.artifacts.report import measure, timed
 from worker.checkpoints import Checkpoints
+from worker.crew import Crew
+from worker.helped_crew import crew_of
+from worker.mesh_artifacts import write_meshes
 from worker.observer import Cancelled, Observer, Unobserved
+from worker.progress_share import ProgressShare
 from worker.provenance import provenance, software
 from worker.reconstruction.result import Reconstruction
 from worker.stage_clock import StageClock
 from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
 from worker.tracked_meshes import tracked_surfaces
-from worker.tracking.tracked_surface import TrackedSurface
 
-_RECONSTRUCTED = 0.95
-"""Fraction of the work that is done when the surfaces are there; the rest is measuring, writing."""
+_RECONSTRUCTED = 0.9
+"""Fraction of the work that is done when the surfaces are there."""
+
+_TRACKED = 0.93
+"""And when they are tracked, where that is asked for."""
+
+_MEASURED = 0.97
+"""And when they are measured. The rest is writing."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +56,7 @@ def run(
     out_dir: Path,
     *,
     threads: int,
+    processes: int = 1,
     input_sha256: str,
     warnings: Sequence[str] = (),
     references: Mapping[str, SurfaceMesh] | None = None,
@@ -67,6 +73,7 @@ def run(
         options: What the caller chose.
         out_dir: An empty folder; meshes, `report.json` and `report.html` are written into it.
         threads: Of the arithmetic. Part of the result: another count, other last digits.
+        processes: That work on frames of the study at a time, threads each. No part of the result.
         input_sha256: Of what the caller sent, for the report.
         warnings: What was noticed on the way to the study, for the report.
         references: By surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
@@ -84,21 +91,26 @@ def run(
     clock = StageClock(observer or Unobserved())
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
-    reconstruction = _reconstruct(study, options, threads, clock, checkpoints)
-    _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
-    tracked, untracked = tracked_surfaces(reconstruction, options, clock)
-    unwritten = measure(
-        reconstruction,
-        options=options,
-        warnings=[*warnings, *admission, *untracked],
-        provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
-        references=references,
-        tracked=tracked,
-        observer=clock,
-    )
-    _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
-    _write_meshes(unwritten, options, out_dir, job_id)
-    _write_tracked(tracked, study.axes, options, out_dir, job_id)
+    with crew_of(processes if len(study.frames) > 1 else 1, threads) as crew:
+        reconstruction = _reconstruct(study, options, threads, clock, checkpoints, crew)
+        _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
+        tracked, untracked = tracked_surfaces(
+            reconstruction, options, ProgressShare(clock, _RECONSTRUCTED, _TRACKED), crew
+        )
+        unwritten = measure(
+            reconstruction,
+            options=options,
+            warnings=[*warnings, *admission, *untracked],
+            provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
+            references=references,
+            tracked=tracked,
+            observer=ProgressShare(clock, _TRACKED, _MEASURED),
+            crew=crew,
+        )
+        _enter(Stage.WRITING, _MEASURED, clock)
+        write_meshes(
+            unwritten, tracked, out_dir, job_id, ProgressShare(clock, _MEASURED, 1.0), crew
+        )
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"
@@ -121,54 +133,17 @@ def _reconstruct(
     threads: int,
     observer: Observer,
     checkpoints: Checkpoints | None,
+    crew: Crew,
 ) -> Reconstruction:
     use_threads(threads)
     # Loaded here, after the threads are bound, and never in a process that still forks.
     from worker.reconstruction.pipeline import reconstruct
 
-    return reconstruct(study, options, _FirstPart(observer), checkpoints)
+    share = ProgressShare(observer, 0.0, _RECONSTRUCTED)
+    return reconstruct(study, options, share, checkpoints, crew)
 
 
 def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
     if observer.is_cancelled():
         raise Cancelled
     observer.advanced(Progress(stage=stage, fraction=fraction))
-
-
-def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: str | None) -> None:
-    for frame in measured.frames:
-        for structure, surface in frame.surfaces.items():
-            name = str(SurfaceName(frame.label, structure))
-            for form in dict.fromkeys(options.formats):
-                path = out_dir / f"{name}.{form}"
-                axes = measured.report.axes
-                write_mesh(path, surface.mesh, name, axes, surface.fields, job_id=job_id)
-
-
-def _write_tracked(
-    tracked: Mapping[Structure, TrackedSurface],
-    axes: Axes,
-    options: Options,
-    out_dir: Path,
-    job_id: str | None,
-) -> None:
-    for structure, surface in tracked.items():
-        for index, frame in enumerate(surface.frames):
-            name = str(SurfaceName(frame.label, structure))
-            for form in dict.fromkeys(options.formats):
-                path = out_dir / f"{name}_tracked.{form}"
-                write_mesh(path, surface.mesh(index), name, axes, job_id=job_id)
-
-
-@dataclass(frozen=True)
-class _FirstPart:
-    """Passes a reconstruction's progress on as the first part of the whole."""
-
-    whole: Observer
-
-    def advanced(self, progress: Progress) -> None:
-        fraction = _RECONSTRUCTED * progress.fraction
-        self.whole.advanced(progress.model_copy(update={"fraction": fraction}))
-
-    def is_cancelled(self) -> bool:
-        return self.whole.is_cancelled()

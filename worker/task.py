@@ -38,7 +38,12 @@ def _desk() -> Desk:
         records=JobRecords(redis),
         queue=JobQueue(settings, redis),
         settings=settings,
-        produce=partial(produce, threads=settings.threads, limits=settings.limits()),
+        produce=partial(
+            produce,
+            threads=settings.threads,
+            processes=settings.processes,
+            limits=settings.limits(),
+        ),
         is_shutting_down=shutdown_flag.is_raised,
         code_version=code,
     )

@@ -1,9 +1,13 @@
 """The surfaces of a reconstruction tracked through its frames, where that was asked for."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from schemas.options import Options
 from schemas.vocabulary import Structure
+from worker.checkpoints import Checkpoints, Unkept
+from worker.crew import Crew, Part
 from worker.evaluation.distance import nearest_on_surface
 from worker.evaluation.size import volume_ml
 from worker.observer import Observer
@@ -21,17 +25,17 @@ _EDGE_MM = 2.0
 
 
 def tracked_surfaces(
-    reconstruction: Reconstruction, options: Options, observer: Observer
+    reconstruction: Reconstruction, options: Options, observer: Observer, crew: Crew
 ) -> tuple[dict[Structure, TrackedSurface], list[str]]:
     """Every surface that three frames or more have, through those frames, from that of the largest
     volume; and a warning for each that was asked for and has fewer. Closed surfaces.
 
     Raises InternalError for a surface that faces inward, Cancelled when asked to stop.
     """
-    found: dict[Structure, TrackedSurface] = {}
+    parts: dict[Structure, Part] = {}
     warnings: list[str] = []
     if not options.tracked_meshes:
-        return found, warnings
+        return {}, warnings
     for structure in dict.fromkeys(s for fit in reconstruction.frames for s in fit.surfaces):
         fits = [fit for fit in reconstruction.frames if structure in fit.surfaces]
         order = in_time([fit.time_ms for fit in fits])
@@ -42,11 +46,21 @@ def tracked_surfaces(
                 f"`tracked_meshes` needs {FEWEST_FRAMES}."
             )
             continue
-        largest = int(np.argmax([volume_ml(mesh) for _, mesh in surfaces]))
-        rest = _even(surfaces[largest][1], options, observer)
-        is_whole_cycle = options.sequence.whole_cycle
-        found[structure] = track(rest, surfaces, largest, observer, is_whole_cycle=is_whole_cycle)
-    return found, warnings
+        parts[structure] = Part(_tracked, (surfaces, options))
+    found = crew.all_of(list(parts.values()), observer, Unkept())
+    return dict(zip(parts, found, strict=True)), warnings
+
+
+def _tracked(
+    surfaces: Sequence[tuple[str, SurfaceMesh]],
+    options: Options,
+    observer: Observer,
+    _: Checkpoints,
+) -> TrackedSurface:
+    largest = int(np.argmax([volume_ml(mesh) for _, mesh in surfaces]))
+    rest = _even(surfaces[largest][1], options, observer)
+    is_whole_cycle = options.sequence.whole_cycle
+    return track(rest, surfaces, largest, observer, is_whole_cycle=is_whole_cycle)
 
 
 def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMesh:

@@ -21,7 +21,9 @@ _READY_WITHIN_S = 90.0
 class ServeProcess:
     """One server. Its settings make lost workers noticed in seconds."""
 
-    def __init__(self, data_dir: Path, *options: str, port: int | None = None) -> None:
+    def __init__(
+        self, data_dir: Path, *options: str, port: int | None = None, processes: int = 1
+    ) -> None:
         self.port = port or free_port()
         self.url = f"http://127.0.0.1:{self.port}"
         self.data_dir = data_dir
@@ -33,6 +35,7 @@ class ServeProcess:
             ],
             env={
                 **os.environ,
+                "NEURALMRI_PROCESSES": str(processes),
                 "NEURALMRI_LEASE_S": "2",
                 "NEURALMRI_LOST_AFTER_S": "1",
                 "NEURALMRI_RECONCILE_EVERY_S": "1",

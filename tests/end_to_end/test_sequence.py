@@ -1,11 +1,14 @@
 """A job of several frames loses a worker half-way: no frame that was finished is fitted again."""
 
+import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import httpx
 import numpy as np
+import psutil
 import pytest
 
 from cli.same_results import compare
@@ -25,11 +28,12 @@ LABELS = ["F0", "F1", "F2", "F3"]
 
 
 @pytest.fixture
-def start(tmp_path: Path) -> Iterator[Callable[[], ServeProcess]]:
+def start(tmp_path: Path) -> Iterator[Callable[..., ServeProcess]]:
     started: list[ServeProcess] = []
 
-    def run() -> ServeProcess:
-        started.append(ServeProcess(tmp_path / "data").wait_until_ready())
+    def run(processes: int = 1) -> ServeProcess:
+        server = ServeProcess(tmp_path / "data", processes=processes)
+        started.append(server.wait_until_ready())
         return started[-1]
 
     yield run
@@ -60,7 +64,7 @@ def sequence(study: dict[str, Any]) -> dict[str, Any]:
 
 
 def test_a_sequence_goes_on_from_the_frames_that_were_finished(
-    start: Callable[[], ServeProcess], sequence: dict[str, Any]
+    start: Callable[..., ServeProcess], sequence: dict[str, Any]
 ) -> None:
     server = start()
     body = {"study": sequence, "options": OPTIONS}
@@ -89,3 +93,43 @@ def test_a_sequence_goes_on_from_the_frames_that_were_finished(
     assert len(surfaces) == 3 * len(LABELS)
     for name in surfaces:
         assert compare(name, *results).verdict.is_same
+
+
+def test_two_processes_share_the_frames_and_end_with_the_job(
+    start: Callable[..., ServeProcess], sequence: dict[str, Any]
+) -> None:
+    server = start(processes=2)
+    body = {"study": sequence, "options": OPTIONS}
+    job_id, cancelled_id = (
+        httpx.post(f"{server.url}/v1/jobs/contours", json=body, timeout=30).json()["id"]
+        for _ in range(2)
+    )
+    while follow(server, job_id, "running", "queued")["progress"]["frame"] != "F1":
+        pass
+    (helper,) = helpers(server)
+    follow(server, job_id, "succeeded", within_s=240.0)
+    assert not helper.is_running()
+
+    while follow(server, cancelled_id, "running", "queued")["progress"]["frame"] != "F1":
+        pass
+    (helper,) = helpers(server)
+    httpx.post(f"{server.url}/v1/jobs/{cancelled_id}/cancel", timeout=30)
+    follow(server, cancelled_id, "cancelled")
+    wait_until_gone(helper)
+
+
+def helpers(server: ServeProcess) -> list[psutil.Process]:
+    found = []
+    for one in server.family():
+        # It may end in between: Redis forks to save.
+        with suppress(psutil.NoSuchProcess):
+            if "worker.helper_main" in one.cmdline():
+                found.append(one)
+    return found
+
+
+def wait_until_gone(process: psutil.Process) -> None:
+    deadline = time.monotonic() + 10.0
+    while process.is_running():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)

@@ -1,6 +1,7 @@
 """Problems as RFC 9457 documents, and their page in the documents."""
 
 import re
+from multiprocessing.reduction import ForkingPickler
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,16 @@ import pytest
 from schemas.problem import Fault, InputError, InternalError, Problem, ProblemPart, ProblemType
 
 PAGE = (Path(__file__).parents[2] / "docs" / "problems.md").read_text()
+
+
+@pytest.mark.parametrize("kind", [InputError, InternalError])
+def test_an_error_is_the_same_in_another_process(kind: type[InputError] | type[InternalError]):
+    part = ProblemPart(pointer="/a", detail="b")
+    error = kind(ProblemType.NO_SURFACE, "Empty.", pointer="/study", errors=[part])
+    again = ForkingPickler.loads(ForkingPickler.dumps(error))
+    assert type(again) is kind
+    assert str(again) == "Empty."
+    assert again.problem() == error.problem()
 
 
 def test_the_callers_error_is_rendered() -> None:

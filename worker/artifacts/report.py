@@ -13,6 +13,7 @@ from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
 from worker.artifacts.support_warnings import support_warnings
 from worker.artifacts.tracking_report import tracking_report
+from worker.crew import Alone, Crew
 from worker.observer import Observer, Unobserved
 from worker.reconstruction.result import Reconstruction
 from worker.surface_mesh import SurfaceMesh
@@ -28,6 +29,7 @@ def measure(
     references: Mapping[str, SurfaceMesh] | None = None,
     tracked: Mapping[Structure, TrackedSurface] | None = None,
     observer: Observer | None = None,
+    crew: Crew | None = None,
 ) -> Measured:
     """Measure a reconstruction.
 
@@ -39,6 +41,7 @@ def measure(
 
     references: by surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
     tracked: the surfaces that were carried through the frames.
+    crew: who measures them.
 
     Raises:
         InternalError: where every frame has a surface that faces inward, or that no contour was
@@ -46,7 +49,7 @@ def measure(
         Cancelled: the observer asked to stop.
     """
     measured, failed = measured_frames(
-        reconstruction, options, references or {}, observer or Unobserved()
+        reconstruction, options, references or {}, observer or Unobserved(), crew or Alone()
     )
     frames = [report for report, _ in measured]
     said = [

@@ -1,7 +1,8 @@
 """In which order the frames of a cycle are fitted, and which one each goes on from.
 
 One frame is fitted from nothing; from it two chains go forward and backward in time, and meet
-half-way round where the cycle is whole. So no frame is far down a chain.
+half-way round where the cycle is whole. So no frame is far down a chain, and two processes may take
+one chain each.
 """
 
 from collections.abc import Sequence
@@ -26,6 +27,17 @@ def fit_order(first: int, count: int, *, whole_cycle: bool) -> tuple[FitStep, ..
     else:
         forward, backward = list(range(first + 1, count)), list(range(first - 1, -1, -1))
     return (FitStep(first, ()), *_chain(first, forward), *_chain(first, backward))
+
+
+def chains(steps: Sequence[FitStep]) -> list[tuple[FitStep, ...]]:
+    """Steps in groups that do not need each other once those before each first one are taken."""
+    found: list[list[FitStep]] = []
+    for step in steps:
+        if found and step.before and step.before[0] == found[-1][-1].frame:
+            found[-1].append(step)
+        else:
+            found.append([step])
+    return [tuple(one) for one in found]
 
 
 def in_time(times_ms: Sequence[float | None]) -> list[int]:

@@ -1,22 +1,21 @@
-"""Progress of a part of the work, told as progress of the whole."""
+"""Progress of a part of one frame's work."""
 
 from dataclasses import dataclass, replace
 
 from schemas.job import Progress, Stage
 from worker.observer import Observer
+from worker.progress_share import ProgressShare
 
 
 @dataclass(frozen=True)
 class FrameShare:
-    """Observes frame `index` of `count`, from `start` to `end` of it, for whoever observes all.
+    """Observes the part of a frame's work from `start` to `end`, for whoever observes all frames.
 
     stage: under which all of it is told, instead of under the stages that it goes through.
     """
 
     whole: Observer
     label: str
-    index: int
-    count: int
     start: float = 0.0
     end: float = 1.0
     stage: Stage | None = None
@@ -31,10 +30,9 @@ class FrameShare:
         return replace(self, stage=stage)
 
     def advanced(self, progress: Progress) -> None:
-        within = self.start + (self.end - self.start) * progress.fraction
-        fraction = (self.index + within) / self.count
-        told = {"fraction": fraction, "frame": self.label, "stage": self.stage or progress.stage}
-        self.whole.advanced(progress.model_copy(update=told))
+        told = {"frame": self.label, "stage": self.stage or progress.stage}
+        share = ProgressShare(self.whole, self.start, self.end)
+        share.advanced(progress.model_copy(update=told))
 
     def is_cancelled(self) -> bool:
         return self.whole.is_cancelled()

@@ -34,16 +34,20 @@ _NOTABLE_MM = 1.0
 
 @dataclass(frozen=True, eq=False)
 class SequencePlan:
-    """steps: whose turn it is. costs: of each, 1 for a fit from nothing. unit_frame: of all frames
-    together; None where each has its own. is_warm, is_shared: whether frames go on from each other,
-    and whether their slices may share shifts.
+    """steps: whose turn it is. warm_cost: of one that goes on from a neighbour, beside 1 for a fit
+    from nothing. unit_frame: of all frames together; None where each has its own. is_warm,
+    is_shared: whether frames go on from each other, and whether their slices may share shifts.
     """
 
     steps: tuple[FitStep, ...]
-    costs: tuple[float, ...]
+    warm_cost: float
     unit_frame: UnitFrame | None
     is_warm: bool
     is_shared: bool
+
+    def cost(self, steps: Sequence[FitStep]) -> float:
+        """Of the steps together."""
+        return sum(self.warm_cost if step.before else 1.0 for step in steps)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,16 +67,15 @@ def sequence_plan(stacks: Sequence[SliceStack], options: Options) -> SequencePla
     )
     if not (is_warm or is_shared):
         alone = tuple(FitStep(index, ()) for index in range(count))
-        return SequencePlan(alone, (1.0,) * count, None, is_warm=False, is_shared=False)
+        return SequencePlan(alone, 1.0, None, is_warm=False, is_shared=False)
     order = in_time([stack.time_ms for stack in stacks])
     first = int(np.argmax([observed_area(stacks[index]) for index in order]))
     steps = tuple(
         FitStep(order[step.frame], tuple(order[k] for k in step.before) if is_warm else ())
         for step in fit_order(first, count, whole_cycle=chosen.whole_cycle)
     )
-    costs = tuple(warm_cost(options) if step.before else 1.0 for step in steps)
     together = SliceStack("", None, tuple(s for stack in stacks for s in stack.slices))
-    return SequencePlan(steps, costs, unit_frame_of(together), is_warm, is_shared)
+    return SequencePlan(steps, warm_cost(options), unit_frame_of(together), is_warm, is_shared)
 
 
 class FrameSequence:
@@ -83,8 +86,8 @@ class FrameSequence:
     ) -> None:
         """posed: the frames that could be posed."""
         self.posed = posed
-        self._plan = plan
-        self._options = options
+        self.plan = plan
+        self.options = options
         self._fitted: dict[int, tuple[TissueField, UnitStack]] = {}
         self._warnings: list[str] = []
         self._shared: SharedShifts | None = None
@@ -128,7 +131,7 @@ class FrameSequence:
                 shown = self.posed[index].problem.shown
                 self._shared = self._shared.found(shown, motion.shifts)
             motion = self._shared.motion_of(stack)
-        if self._plan.is_warm:
+        if self.plan.is_warm:
             self._fitted[index] = field, moved_stack(stack, motion)
         return motion
 
@@ -142,10 +145,10 @@ class FrameSequence:
 
     def _own_evidence(self, frame: PosedFrame) -> ShiftEvidence:
         shown, unit_mm = frame.problem.shown, frame.unit_frame.half_extent_mm
-        return stack_evidence(shown, self._options, unit_mm)
+        return stack_evidence(shown, self.options, unit_mm)
 
     def _share(self) -> None:
-        steps = [step.frame for step in self._plan.steps if step.frame in self.posed]
+        steps = [step.frame for step in self.plan.steps if step.frame in self.posed]
         frames = [self.posed[index] for index in steps]
         stacks = [frame.problem.shown for frame in frames]
         if not share_planes(stacks):
@@ -156,7 +159,7 @@ class FrameSequence:
             )
             return
         unit_mm = frames[0].unit_frame.half_extent_mm
-        prior, noise = prior_and_noise(self._options, unit_mm)
+        prior, noise = prior_and_noise(self.options, unit_mm)
         self._shared = shared_shifts(stacks, prior, noise)
         if self._shared is None:
             self._shared = shared_from(stacks, self._own_evidence(frames[0]), 0, prior)

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from worker.reconstruction.cycle import fit_order, in_time
+from worker.reconstruction.cycle import FitStep, chains, fit_order, in_time
 
 
 @given(st.integers(1, 40), st.data(), st.booleans())
@@ -50,3 +50,15 @@ def test_frames_are_in_the_order_of_their_times_where_all_have_one(
     times_ms: list[float | None], order: list[int]
 ) -> None:
     assert in_time(times_ms) == order
+
+
+def test_both_ways_round_are_chains_of_their_own() -> None:
+    steps = fit_order(3, 25, whole_cycle=True)
+    forward, backward = chains(steps[1:])
+    assert [step.frame for step in forward] == list(range(4, 16))
+    assert [step.frame for step in backward] == [*range(2, -1, -1), *range(24, 15, -1)]
+
+
+def test_frames_that_need_no_other_are_chains_of_one() -> None:
+    alone = [FitStep(frame, ()) for frame in range(3)]
+    assert chains(alone) == [(step,) for step in alone]

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import torch
 
 from schemas.job import Progress
 from schemas.options import Options
@@ -12,8 +13,9 @@ from schemas.problem import InternalError, ProblemType
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from tests.worker.kept import Kept
+from worker.helped_crew import crew_of
 from worker.observer import Cancelled
-from worker.reconstruction import pipeline
+from worker.reconstruction import frame_pipeline
 from worker.reconstruction.pipeline import reconstruct
 from worker.reconstruction.result import FailedFrame, Reconstruction
 
@@ -120,7 +122,7 @@ def fail_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
     """Lets the fits of these frames enclose nothing."""
 
     def fail(*labels: str) -> None:
-        found = pipeline.surfaces_of
+        found = frame_pipeline.surfaces_of
 
         def surfaces_of(*given: Any, **more: Any) -> Any:
             observer = given[-1]
@@ -128,7 +130,7 @@ def fail_in(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
                 raise InternalError(ProblemType.NO_SURFACE, f"{observer.label} is empty.")
             return found(*given, **more)
 
-        monkeypatch.setattr(pipeline, "surfaces_of", surfaces_of)
+        monkeypatch.setattr(frame_pipeline, "surfaces_of", surfaces_of)
 
     return fail
 
@@ -169,6 +171,22 @@ def test_progress_goes_through_the_frames_and_never_back(beating, small: Options
     fractions = [progress.fraction for progress in told.told]
     assert fractions == sorted(fractions)
     assert list(dict.fromkeys(progress.frame for progress in told.told)) == ["F0", "F1", "F2", "F3"]
+
+
+@pytest.mark.parametrize("chosen", [{}, {"warm_start": False}])
+def test_whoever_fits_a_frame_its_surfaces_are_the_same_bytes(
+    beating, small: Options, chosen: dict[str, bool]
+) -> None:
+    study, options = beating(displacements={3: (2.0, 1.0)}), with_sequence(small, **chosen)
+    kept = Kept()
+    alone = reconstruct(study, options)
+    with crew_of(2, torch.get_num_threads()) as crew:
+        helped = reconstruct(study, options, None, kept, crew)
+    assert {f"frame-{label}-fit" for label in RADII_MM} <= kept.held.keys()
+    for one, other in zip(alone.frames, helped.frames, strict=True):
+        assert one.started_from == other.started_from
+        for structure, mesh in one.surfaces.items():
+            np.testing.assert_array_equal(mesh.vertices_mm, other.surfaces[structure].vertices_mm)
 
 
 class Listener:

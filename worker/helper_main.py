@@ -1,0 +1,66 @@
+"""The helper's own end: `python -m worker.helper_main PIPE PARENT THREADS`. See `worker.helper`."""
+
+import sys
+import time
+import traceback
+from multiprocessing.connection import Connection
+
+from schemas.job import Progress
+from worker.helper import Advanced, Done, Failed, Load, Save
+from worker.parent_death import die_with_parent
+from worker.threads import bind_libraries, use_threads
+
+_TELL_EVERY_S = 0.2
+
+
+def main(pipe: int, parent: int, threads: int) -> None:
+    """Do parts until the parent closes the pipe."""
+    die_with_parent(parent)
+    bind_libraries(threads)
+    use_threads(threads)
+    # While the parent is busy: by the time that there is a part to do, all is loaded.
+    import worker.reconstruction.pipeline  # noqa: F401
+
+    with Connection(pipe) as connection:
+        while True:
+            try:
+                part = connection.recv()
+            except EOFError:
+                return
+            parent_s = _Parent(connection)
+            try:
+                result = part.done(parent_s, parent_s)
+            except Exception as error:  # noqa: BLE001  the parent raises it
+                error.add_note(traceback.format_exc())
+                connection.send(Failed(error))
+            else:
+                connection.send(Done(result))
+
+
+class _Parent:
+    """The parent's observer and checkpoints, from here. It does not ask to stop: it kills."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+        self._tell_at_s = 0.0
+
+    def advanced(self, progress: Progress) -> None:
+        now_s = time.monotonic()
+        if now_s >= self._tell_at_s or progress.is_taken_up:
+            self._tell_at_s = now_s + _TELL_EVERY_S
+            self._connection.send(Advanced(progress))
+
+    def is_cancelled(self) -> bool:
+        return False
+
+    def load(self, key: str) -> bytes | None:
+        self._connection.send(Load(key))
+        held: bytes | None = self._connection.recv()
+        return held
+
+    def save(self, key: str, content: bytes) -> None:
+        self._connection.send(Save(key, content))
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))
