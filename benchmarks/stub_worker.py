@@ -20,7 +20,7 @@ from schemas.vocabulary import Axes
 from worker import shutdown_flag
 from worker.app import app, settings
 from worker.attempt import Desk, attempt
-from worker.observer import Observer
+from worker.observer import KeepsFound, Observer
 
 _NAME, _CONTENT = "note.txt", b"nothing was computed\n"
 
@@ -46,7 +46,7 @@ def _desk() -> Desk:
     )
 
 
-def _produce(folder: JobFolder, out_dir: Path, _observer: Observer) -> Manifest:
+def _produce(folder: JobFolder, out_dir: Path, _observer: Observer, _: KeepsFound) -> Manifest:
     (out_dir / _NAME).write_bytes(_CONTENT)
     sha256 = hashlib.sha256(_CONTENT).hexdigest()
     note = Artifact(name=_NAME, media_type="text/plain", bytes=len(_CONTENT), sha256=sha256)

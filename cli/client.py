@@ -104,8 +104,9 @@ class Client:
         params = {name: value for name, value in query.items() if value is not None}
         return fitting(JobPage, self.connection.call("GET", "/v1/jobs", params=params))
 
-    def cancel(self, job_id: str) -> Job:
-        return fitting(Job, self.connection.call("POST", f"{_address(job_id)}/cancel"))
+    def cancel(self, job_id: str, *, keeps_frames: bool = False) -> Job:
+        query = "?keep_frames=true" if keeps_frames else ""
+        return fitting(Job, self.connection.call("POST", f"{_address(job_id)}/cancel{query}"))
 
     def erase(self, job_id: str) -> None:
         """Remove a job with all it holds. One that is gone already is no error."""

@@ -13,13 +13,17 @@ from schemas.messages import Outcome
 _LOGGER = logging.getLogger(__name__)
 
 
-def cancel(folder: JobFolder, records: JobRecords) -> JobState | None:
+def cancel(
+    folder: JobFolder, records: JobRecords, *, keeps_frames: bool = False
+) -> JobState | None:
     """Ask a job to stop; where none works on it, it is cancelled now and its folder says so.
+
+    keeps_frames: The frames that its worker has finished by then are its results.
 
     Returns where the job stands, None for an unknown one. Idempotent: doing it again mends what a
     crash in between left.
     """
-    state = records.request_cancel(folder.job_id)
+    state = records.request_cancel(folder.job_id, keeps_frames=keeps_frames)
     if state is None or not state.is_terminal:
         return state
     job = records.get(folder.job_id)

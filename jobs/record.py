@@ -25,6 +25,7 @@ class Record:
         job. In the future while a lease lives; in the past it says how long the job has lain.
     lease_us: how long a lease was granted last, 0 while nobody has one. What lies further ahead
         than that was written before the clock went back.
+    keeps_frames: whether the frames that a cancelling job has finished are to be its results.
     was_released: whether a worker has handed it back; what the next one takes tells of a part only.
     """
 
@@ -53,6 +54,7 @@ class Record:
     retain_s: float | None = None
     content_sha256: str | None = None
     code_version: str | None = None
+    keeps_frames: bool = False
 
     @classmethod
     def of_request(cls, request: JobRequest, now_us: int) -> "Record":
@@ -103,6 +105,7 @@ class Record:
             retain_s=float(fields["retain_s"]) if fields.get("retain_s") else None,
             content_sha256=fields.get("content_sha256") or None,
             code_version=fields.get("code_version") or None,
+            keeps_frames=fields.get("keeps_frames") == "1",
         )
 
     def fields(self) -> dict[str, str]:
@@ -130,6 +133,7 @@ class Record:
             "work": str(self.work),
             "content_sha256": self.content_sha256 or "",
             "code_version": self.code_version or "",
+            "keeps_frames": "1" if self.keeps_frames else "",
             "retain_s": "" if self.retain_s is None else str(self.retain_s),
         }
 

@@ -194,13 +194,24 @@ class JobRecords:
         state = self._redis.hget(record_key(job_id), "state")
         return state in (JobState.CANCELLING.value, JobState.CANCELLED.value)
 
-    def request_cancel(self, job_id: str) -> JobState | None:
+    def keeps_frames(self, job_id: str) -> bool:
+        """Whether the job was cancelled last with its finished frames to be kept."""
+        return self._redis.hget(record_key(job_id), "keeps_frames") == "1"
+
+    def request_cancel(self, job_id: str, *, keeps_frames: bool = False) -> JobState | None:
         """Ask the job to stop, and return where it stands then; None for an unknown job.
+
+        keeps_frames: The frames that its worker has finished by then are its results.
 
         Without a live lease it is cancelled at once, and any token out there becomes stale; with
         one it is cancelling until its worker says it stopped. Terminal states stay.
         """
-        record = self._step(job_id, lambda r, now_us: r and transitions.cancel_requested(r, now_us))
+        record = self._step(
+            job_id,
+            lambda r, now_us: (
+                r and transitions.cancel_requested(r, now_us, keeps_frames=keeps_frames)
+            ),
+        )
         return record.state if record else None
 
     def finished(self, job_id: str, token: int, outcome: Outcome) -> None:

@@ -78,12 +78,15 @@ def released(record: Record | None, token: int, now_us: int) -> Record:
     return replace(held.to(JobState.QUEUED), attempt=held.attempt - 1, progress=Progress())
 
 
-def cancel_requested(record: Record, now_us: int) -> Record:
-    """Cancelling while a worker holds it, cancelled at once where none does."""
+def cancel_requested(record: Record, now_us: int, *, keeps_frames: bool = False) -> Record:
+    """Cancelling while a worker holds it, cancelled at once where none does.
+
+    keeps_frames: Whether the frames that it has finished are wanted. The last word holds.
+    """
     if record.state.is_terminal:
         return record
     if record.is_held(now_us):
-        return record.to(JobState.CANCELLING)
+        return replace(record.to(JobState.CANCELLING), keeps_frames=keeps_frames)
     if record.state is JobState.RUNNING:  # its worker is lost, and has no right to go on
         record = record.to(JobState.CANCELLING)
     return replace(

@@ -32,7 +32,7 @@ from worker.attempt_spans import AttemptSpans, SpannedObserver
 from worker.failure import problem_of, timed_out, worker_lost
 from worker.job_observer import JobObserver, StopReason
 from worker.lease import Lease
-from worker.observer import Cancelled, Observer
+from worker.observer import Cancelled, KeepsFound, Observer
 from worker.patience import patiently
 from worker.settings import WorkerSettings
 from worker.stage_clock import StageClock
@@ -40,7 +40,7 @@ from worker.stage_clock import StageClock
 _LOGGER = logging.getLogger(__name__)
 _Result = TypeVar("_Result")
 
-Produce = Callable[[JobFolder, Path, Observer], Manifest]
+Produce = Callable[[JobFolder, Path, Observer, KeepsFound], Manifest]
 """Computes a job into an empty folder. Raises ServiceError, Cancelled, or anything."""
 
 
@@ -100,8 +100,10 @@ def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending
     try:
         if observer.is_cancelled():
             raise Cancelled
-        manifest = desk.produce(folder, staging, ending.clock)
-        ending.succeeded(staging, manifest, desk.code_version)
+        manifest = desk.produce(folder, staging, ending.clock, observer.keeps_found)
+        # A part of the results is not what the same content would give again.
+        code_version = None if observer.is_finishing else desk.code_version
+        ending.succeeded(staging, manifest, code_version)
     except Cancelled:
         _stopped(observer.stop_reason, desk, lease, ending)
     except SoftTimeLimitExceeded:

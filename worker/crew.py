@@ -14,7 +14,8 @@ from worker.progress_share import ProgressShare
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """`function(*arguments, observer, checkpoints)`.
+    """`function(*arguments, observer, checkpoints)`, which raises Cancelled, or returns what it has
+    by then, within a second of the observer's asking to stop.
 
     function: of a module, for it goes to another process by name, its arguments and its result by
     value. cost: beside that of the other parts.
@@ -36,7 +37,7 @@ class Crew(Protocol):
     def all_of(
         self, parts: Sequence[Part], observer: Observer, checkpoints: Checkpoints
     ) -> list[Any]:
-        """The results. Raises what a part raises, and Cancelled when the observer asks to stop."""
+        """The results. Raises what a part raises."""
 
 
 class Alone:

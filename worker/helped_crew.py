@@ -1,6 +1,7 @@
 """A crew of this process and helpers of it, each with a part at a time."""
 
 import logging
+import time
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ from worker.observer import Cancelled, Observer
 
 _LOGGER = logging.getLogger(__name__)
 _WAIT_S = 0.05
+_STOPS_WITHIN_S = 3.0
 
 
 @contextmanager
@@ -79,6 +81,7 @@ class _Round:
         self._results: dict[int, Any] = {}
         self._error: Exception | None = None
         self._own: int | None = None
+        self._stopped_at_s: float | None = None
 
     def results(self) -> list[Any]:
         """In the order of the parts."""
@@ -87,7 +90,7 @@ class _Round:
             if self._error is not None:
                 raise self._error
             if self._observer.is_cancelled():
-                raise Cancelled
+                self._stop_helpers()
             if self._waiting:
                 self._do(self._waiting.popleft())
         return [self._results[index] for index in range(len(self._parts))]
@@ -115,7 +118,7 @@ class _Round:
 
     def _serve(self, wait_s: float = 0.0) -> None:
         """Hand out parts and hear what helpers say, waiting for a word if all parts are out."""
-        while self._idle and self._waiting:
+        while self._idle and self._waiting and self._stopped_at_s is None:
             self._try_to_give(self._idle.pop(), self._waiting.popleft())
         for helper in list(self.busy):
             try:
@@ -126,6 +129,18 @@ class _Round:
                     self._heed(helper, message)
             except HelperLost as lost:
                 self._lose(helper, lost)
+
+    def _stop_helpers(self) -> None:
+        now_s = time.monotonic()
+        if self._stopped_at_s is None:
+            self._stopped_at_s = now_s
+            for helper in list(self.busy):
+                try:
+                    helper.stop()
+                except HelperLost as lost:
+                    self._lose(helper, lost)
+        elif now_s > self._stopped_at_s + _STOPS_WITHIN_S:
+            raise Cancelled
 
     def _try_to_give(self, helper: Helper, index: int) -> None:
         self.busy[helper] = index

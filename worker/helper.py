@@ -51,6 +51,18 @@ class Failed:
     error: Exception
 
 
+@dataclass(frozen=True)
+class Stop:
+    """To a helper: end the part that it has."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """To a helper: what is kept under the key that it asked for."""
+
+    content: bytes | None
+
+
 Message = Advanced | Load | Save | Done | Failed
 """What a helper says. It speaks of the part that it was given last."""
 
@@ -90,7 +102,11 @@ class Helper:
 
     def answer(self, content: bytes | None) -> None:
         """To its last Load. Raises HelperLost."""
-        self._send(content)
+        self._send(Held(content))
+
+    def stop(self) -> None:
+        """Ask it to end its part. Raises HelperLost."""
+        self._send(Stop())
 
     def heard(self, wait_s: float = 0.0) -> Message | None:
         """What it said, if within `wait_s` it has said something. Raises HelperLost."""
@@ -106,7 +122,7 @@ class Helper:
         self._process.wait()
         self._pipe.close()
 
-    def _send(self, what: Part | bytes | None) -> None:
+    def _send(self, what: Part | Held | Stop) -> None:
         try:
             self._pipe.send(what)
         except OSError as error:

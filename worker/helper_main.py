@@ -6,7 +6,7 @@ import traceback
 from multiprocessing.connection import Connection
 
 from schemas.job import Progress
-from worker.helper import Advanced, Done, Failed, Load, Save
+from worker.helper import Advanced, Done, Failed, Held, Load, Save, Stop
 from worker.parent_death import die_with_parent
 from worker.threads import bind_libraries, use_threads
 
@@ -27,6 +27,9 @@ def main(pipe: int, parent: int, threads: int) -> None:
                 part = connection.recv()
             except EOFError:
                 return
+            if isinstance(part, Stop):
+                # Of the part before, which was done already.
+                continue
             parent_s = _Parent(connection)
             try:
                 result = part.done(parent_s, parent_s)
@@ -38,11 +41,12 @@ def main(pipe: int, parent: int, threads: int) -> None:
 
 
 class _Parent:
-    """The parent's observer and checkpoints, from here. It does not ask to stop: it kills."""
+    """The parent's observer and checkpoints, from here."""
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
         self._tell_at_s = 0.0
+        self._is_stopped = False
 
     def advanced(self, progress: Progress) -> None:
         now_s = time.monotonic()
@@ -51,15 +55,21 @@ class _Parent:
             self._connection.send(Advanced(progress))
 
     def is_cancelled(self) -> bool:
-        return False
+        while self._connection.poll():
+            self._heed(self._connection.recv())
+        return self._is_stopped
 
     def load(self, key: str) -> bytes | None:
         self._connection.send(Load(key))
-        held: bytes | None = self._connection.recv()
-        return held
+        while not isinstance(answer := self._connection.recv(), Held):
+            self._heed(answer)
+        return answer.content
 
     def save(self, key: str, content: bytes) -> None:
         self._connection.send(Save(key, content))
+
+    def _heed(self, _: Stop) -> None:
+        self._is_stopped = True
 
 
 if __name__ == "__main__":

@@ -1,5 +1,7 @@
 """How a long computation is watched and stopped, without knowing by whom."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from schemas.job import Progress
@@ -28,3 +30,28 @@ class Unobserved:
 
     def is_cancelled(self) -> bool:
         return False
+
+
+KeepsFound = Callable[[], bool]
+"""Asked of whoever stopped a computation: are what it had found by then, and the time that it takes
+to finish that, wanted? From a yes on the observer does not ask to stop for the same reason.
+"""
+
+
+@dataclass(frozen=True)
+class Finishing:
+    """Asks to stop only where what was found by then is not wanted either."""
+
+    observer: Observer
+    keeps_found: KeepsFound
+
+    def advanced(self, progress: Progress) -> None:
+        self.observer.advanced(progress)
+
+    def is_cancelled(self) -> bool:
+        return self.observer.is_cancelled() and not self.keeps_found()
+
+
+def nothing_kept() -> bool:
+    """What is stopped leaves nothing."""
+    return False

@@ -8,7 +8,7 @@ from schemas.artifacts import Manifest
 from schemas.job import Progress, Stage
 from worker.fingerprint import fingerprint
 from worker.job_checkpoints import JobCheckpoints
-from worker.observer import Observer
+from worker.observer import KeepsFound, Observer, nothing_kept
 from worker.provenance import provenance
 from worker.reading import read_job
 from worker.subject import run
@@ -18,6 +18,7 @@ def produce(
     folder: JobFolder,
     out_dir: Path,
     observer: Observer,
+    keeps_found: KeepsFound = nothing_kept,
     *,
     threads: int,
     processes: int = 1,
@@ -42,6 +43,7 @@ def produce(
         references=reading.references,
         job_id=folder.job_id,
         observer=observer,
+        keeps_found=keeps_found,
         checkpoints=JobCheckpoints(folder, fingerprint(options, made_by), observer.is_cancelled),
         limits=limits,
     )

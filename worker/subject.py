@@ -23,10 +23,17 @@ from worker.checkpoints import Checkpoints
 from worker.crew import Crew
 from worker.helped_crew import crew_of
 from worker.mesh_artifacts import write_meshes
-from worker.observer import Cancelled, Observer, Unobserved
+from worker.observer import (
+    Cancelled,
+    Finishing,
+    KeepsFound,
+    Observer,
+    Unobserved,
+    nothing_kept,
+)
 from worker.progress_share import ProgressShare
 from worker.provenance import provenance, software
-from worker.reconstruction.result import Reconstruction
+from worker.reconstruction.result import Reconstruction, StoppedEarly
 from worker.stage_clock import StageClock
 from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
@@ -62,6 +69,7 @@ def run(
     references: Mapping[str, SurfaceMesh] | None = None,
     job_id: str | None = None,
     observer: Observer | None = None,
+    keeps_found: KeepsFound = nothing_kept,
     checkpoints: Checkpoints | None = None,
     pointer: str = "/study",
     limits: Limits = DEFAULT_LIMITS,
@@ -79,6 +87,8 @@ def run(
         references: By surface (`ED_lv_endo`) what is taken for its truth, mm, the study's own axes.
         job_id: Said in the files, where there is a job.
         observer: Told of progress, asked whether to stop.
+        keeps_found: Asked, once it has asked to stop, whether the frames that were finished by then
+            are to be measured and written.
         checkpoints: Where fits are kept level by level, and gone on from.
         pointer: Where the study stands in what the caller sent, "" for a document of its own.
         limits: Counts that the study may reach.
@@ -92,10 +102,16 @@ def run(
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
     with crew_of(processes if len(study.frames) > 1 else 1, threads) as crew:
-        reconstruction = _reconstruct(study, options, threads, clock, checkpoints, crew)
-        _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
+        try:
+            reconstruction = _reconstruct(study, options, threads, clock, checkpoints, crew)
+        except StoppedEarly as stopped:
+            if not keeps_found():
+                raise
+            reconstruction = stopped.found
+        rest = Finishing(clock, keeps_found)
+        _enter(Stage.MEASURING, _RECONSTRUCTED, rest)
         tracked, untracked = tracked_surfaces(
-            reconstruction, options, ProgressShare(clock, _RECONSTRUCTED, _TRACKED), crew
+            reconstruction, options, ProgressShare(rest, _RECONSTRUCTED, _TRACKED), crew
         )
         unwritten = measure(
             reconstruction,
@@ -104,13 +120,12 @@ def run(
             provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
             references=references,
             tracked=tracked,
-            observer=ProgressShare(clock, _TRACKED, _MEASURED),
+            observer=ProgressShare(rest, _TRACKED, _MEASURED),
             crew=crew,
         )
-        _enter(Stage.WRITING, _MEASURED, clock)
-        write_meshes(
-            unwritten, tracked, out_dir, job_id, ProgressShare(clock, _MEASURED, 1.0), crew
-        )
+        _enter(Stage.WRITING, _MEASURED, rest)
+        written = ProgressShare(rest, _MEASURED, 1.0)
+        write_meshes(unwritten, tracked, out_dir, job_id, written, crew)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"

@@ -64,10 +64,23 @@ def get_job(job_id: str, access: Access, response: Response, answer: Answer) -> 
         **problems(404, 503),
     },
 )
-def cancel_job(job_id: str, access: Access, response: Response) -> Job:
+def cancel_job(
+    job_id: str,
+    access: Access,
+    response: Response,
+    keep_frames: Annotated[
+        bool,
+        Query(
+            description="Measure and write the frames that are finished: the job then ends as "
+            "succeeded with these, and names the others in `failed_frames`. Without a finished "
+            "frame it is cancelled as ever."
+        ),
+    ] = False,
+) -> Job:
     """Stop the work, keep the job. Doing it again, or too late, changes nothing."""
     access.job(job_id)
-    state = ending.cancel(access.store.folder(job_id), access.records)
+    folder = access.store.folder(job_id)
+    state = ending.cancel(folder, access.records, keeps_frames=keep_frames)
     if state is JobState.CANCELLING:
         response.status_code = 202
         response.headers["Retry-After"] = str(access.settings.poll_after_s)

@@ -75,7 +75,7 @@ def test_a_sequence_goes_on_from_the_frames_that_were_finished(
     job_folder = server.data_dir / "jobs" / job_id
     # Forward from F0 to F2, then backward to F3.
     while follow(server, job_id, "running", "queued")["progress"]["frame"] != "F2":
-        pass
+        time.sleep(0.1)
     kept = {path.name for path in (job_folder / "checkpoints").iterdir()}
     finished = ["frame-F0-fit", "frame-F1-fit"]
     assert kept >= set(finished)
@@ -113,6 +113,35 @@ def test_two_processes_share_the_frames_and_end_with_the_job(
     httpx.post(f"{server.url}/v1/jobs/{cancelled_id}/cancel", timeout=30)
     follow(server, cancelled_id, "cancelled")
     wait_until_gone(second)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_a_job_that_is_cancelled_keeps_its_finished_frames_where_that_is_asked_for(
+    start: Callable[..., ServeProcess], sequence: dict[str, Any], processes: int
+) -> None:
+    server = start(processes=processes)
+    many = [
+        {**frame, "label": f"{frame['label']}{turn}", "time_ms": frame["time_ms"] + 160.0 * turn}
+        for turn in range(3)
+        for frame in sequence["frames"]
+    ]
+    body = {"study": {**sequence, "frames": many}, "options": OPTIONS}
+    job_id = httpx.post(f"{server.url}/v1/jobs/contours", json=body, timeout=30).json()["id"]
+    checkpoints = server.data_dir / "jobs" / job_id / "checkpoints"
+    while follow(server, job_id, "running", "queued") and len(list(checkpoints.glob("*"))) < 4:
+        time.sleep(0.1)
+    address = f"{server.url}/v1/jobs/{job_id}"
+    answer = httpx.post(f"{address}/cancel?keep_frames=true", timeout=30)
+    assert answer.json()["state"] == "cancelling"
+    follow(server, job_id, "succeeded")
+    report = httpx.get(f"{address}/artifacts/report.json", timeout=30).json()
+    kept = {frame["label"] for frame in report["frames"]}
+    assert 1 < len(kept) < len(many)
+    assert {one["label"] for one in report["failed_frames"]} == {f["label"] for f in many} - kept
+    surfaces = {path.name for path in (server.data_dir / "jobs" / job_id / "results").glob("*.stl")}
+    assert surfaces == {
+        f"{label}_{surface}.stl" for label in kept for surface in ("lv_endo", "lv_epi", "rv_endo")
+    }
 
 
 def helper_at_work(server: ServeProcess) -> psutil.Process:

@@ -217,6 +217,17 @@ def test_a_running_job_is_cancelled_by_its_worker(records: JobRecords, job_id: s
     assert records.request_cancel(job_id) is JobState.CANCELLED
 
 
+def test_the_last_cancellation_says_whether_frames_are_kept(
+    records: JobRecords, job_id: str
+) -> None:
+    claimed(records, job_id)
+    assert not records.keeps_frames(job_id)
+    records.request_cancel(job_id, keeps_frames=True)
+    assert records.keeps_frames(job_id)
+    records.request_cancel(job_id)
+    assert not records.keeps_frames(job_id)
+
+
 def test_a_job_that_ends_before_it_sees_the_cancellation(records: JobRecords, job_id: str) -> None:
     token = claimed(records, job_id)
     records.request_cancel(job_id)

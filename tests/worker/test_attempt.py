@@ -32,7 +32,7 @@ from schemas.vocabulary import Axes
 from tests.redis_server import RedisServer
 from worker.artifacts.manifest import describe
 from worker.attempt import Desk, Produce, attempt
-from worker.observer import Cancelled, Observer
+from worker.observer import Cancelled, Finishing, KeepsFound, Observer
 from worker.settings import WorkerSettings
 
 MakeDesk = Callable[..., Desk]
@@ -65,12 +65,12 @@ def wrote(out_dir: Path, text: str = "done") -> Manifest:
     )
 
 
-def good(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+def good(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
     observer.advanced(Progress(stage=Stage.FITTING, fraction=0.5))
     return wrote(out_dir)
 
 
-def until_stopped(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+def until_stopped(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
     """Runs until it is told to stop, and gives up after 20 s."""
     deadline = time.monotonic() + 20.0
     while time.monotonic() < deadline:
@@ -80,7 +80,7 @@ def until_stopped(folder: JobFolder, out_dir: Path, observer: Observer) -> Manif
     return wrote(out_dir)
 
 
-def unwanted(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+def unwanted(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
     pytest.fail("the job was computed once too often")
 
 
@@ -117,7 +117,7 @@ def test_progress_is_seen_while_the_job_runs(
 ) -> None:
     seen: list[Job] = []
 
-    def looks(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def looks(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         observer.advanced(Progress(stage=Stage.FITTING, fraction=0.25, level=2, iteration=7))
         seen.append(known(records, folder))
         return wrote(out_dir)
@@ -133,7 +133,7 @@ def test_progress_is_seen_while_the_job_runs(
 def test_bad_input_fails_the_job_as_the_callers_fault(
     folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def refuses(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def refuses(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         raise InputError(ProblemType.TOO_FEW_SLICES, "send more slices", pointer="/study/frames/0")
 
     attempt(folder.job_id, desk(refuses))
@@ -149,7 +149,7 @@ def test_bad_input_fails_the_job_as_the_callers_fault(
 def test_a_surprise_fails_the_job_as_ours_and_tells_nothing_of_the_inside(
     folder: JobFolder, records: JobRecords, desk: MakeDesk, caplog: pytest.LogCaptureFixture
 ) -> None:
-    def breaks(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def breaks(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         raise ZeroDivisionError("secret inside")
 
     attempt(folder.job_id, desk(breaks))
@@ -165,7 +165,7 @@ def test_a_surprise_fails_the_job_as_ours_and_tells_nothing_of_the_inside(
 def test_results_that_the_disk_has_no_room_for_fail_the_job_with_a_remedy(
     folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def too_much(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def too_much(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         raise OSError(errno.ENOSPC, "No space left on device")
 
     attempt(folder.job_id, desk(too_much))
@@ -181,7 +181,7 @@ def test_results_that_the_disk_has_no_room_for_fail_the_job_with_a_remedy(
 def test_the_soft_time_limit_fails_the_job_with_a_remedy(
     folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def overruns(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def overruns(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         raise SoftTimeLimitExceeded
 
     attempt(folder.job_id, desk(overruns))
@@ -197,10 +197,10 @@ def test_a_cancelled_job_stops_at_once_and_says_so(
 ) -> None:
     asked_at: list[float] = []
 
-    def is_asked(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_asked(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         assert ending.cancel(folder, records) is JobState.CANCELLING
         asked_at.append(time.monotonic())
-        return until_stopped(folder, out_dir, observer)
+        return until_stopped(folder, out_dir, observer, _)
 
     attempt(folder.job_id, desk(is_asked))
 
@@ -208,6 +208,66 @@ def test_a_cancelled_job_stops_at_once_and_says_so(
     assert known(records, folder).state is JobState.CANCELLED
     assert folder.manifest() is None
     assert staged(folder) == []
+
+
+def until_stopped_keeping(
+    folder: JobFolder, out_dir: Path, observer: Observer, keeps: KeepsFound
+) -> Manifest:
+    """Stops as it is told to, and writes what was found where that is wanted."""
+    try:
+        return until_stopped(folder, out_dir, observer, keeps)
+    except Cancelled:
+        if not keeps():
+            raise
+    if Finishing(observer, keeps).is_cancelled():
+        raise Cancelled
+    return wrote(out_dir, "a part")
+
+
+def test_a_job_cancelled_with_its_frames_to_be_kept_ends_with_what_it_has(
+    folder: JobFolder, records: JobRecords, desk: MakeDesk
+) -> None:
+    def is_asked(
+        folder: JobFolder, out_dir: Path, observer: Observer, keeps: KeepsFound
+    ) -> Manifest:
+        assert ending.cancel(folder, records, keeps_frames=True) is JobState.CANCELLING
+        return until_stopped_keeping(folder, out_dir, observer, keeps)
+
+    attempt(folder.job_id, desk(is_asked))
+
+    assert known(records, folder).state is JobState.SUCCEEDED
+    assert folder.manifest() is not None
+    outcome = folder.outcome()
+    assert outcome is not None
+    assert outcome.code_version is None, "a part of the results is no answer to the same again"
+
+
+def test_a_plain_cancellation_overrules_one_that_keeps_frames(
+    folder: JobFolder, records: JobRecords, desk: MakeDesk
+) -> None:
+    def is_asked_twice(
+        folder: JobFolder, out_dir: Path, observer: Observer, keeps: KeepsFound
+    ) -> Manifest:
+        ending.cancel(folder, records, keeps_frames=True)
+        until_it_says_so(observer)
+        assert keeps()
+        assert not observer.is_cancelled()
+        ending.cancel(folder, records)
+        until_it_says_so(observer)
+        assert Finishing(observer, keeps).is_cancelled()
+        raise Cancelled
+
+    attempt(folder.job_id, desk(is_asked_twice))
+
+    assert known(records, folder).state is JobState.CANCELLED
+    assert folder.manifest() is None
+
+
+def until_it_says_so(observer: Observer) -> None:
+    deadline = time.monotonic() + 10.0
+    while not observer.is_cancelled():
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
 
 
 def test_a_closing_worker_hands_the_job_back_and_another_does_it(
@@ -252,7 +312,7 @@ def test_a_job_that_is_handed_back_keeps_its_priority_and_its_trace(
     assert queue.depth() == 0
 
 
-def kept(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+def kept(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
     """Leaves a checkpoint, and then does as the observer says."""
     folder.write_checkpoint("frame-ED-fit", b"level 1")
     if observer.is_cancelled():
@@ -272,7 +332,7 @@ def test_checkpoints_stay_while_the_job_is_handed_on_and_go_when_it_ends(
 
 
 def test_a_failed_job_leaves_no_checkpoint(folder: JobFolder, desk: MakeDesk) -> None:
-    def fails(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def fails(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         folder.write_checkpoint("frame-ED-fit", b"level 1")
         raise ZeroDivisionError
 
@@ -285,11 +345,13 @@ def test_a_failed_job_leaves_no_checkpoint(folder: JobFolder, desk: MakeDesk) ->
 def test_who_lost_the_job_leaves_its_checkpoints_to_the_other(
     folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def is_overtaken(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_overtaken(
+        folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         folder.write_checkpoint("frame-ED-fit", b"level 1")
         records.released(folder.job_id, int(out_dir.name.split("-")[1]))
         assert records.claim(folder.job_id, 60.0, 3).granted
-        return until_stopped(folder, out_dir, observer)
+        return until_stopped(folder, out_dir, observer, _)
 
     attempt(folder.job_id, desk(is_overtaken))
     assert folder.read_checkpoint("frame-ED-fit") == b"level 1"
@@ -300,11 +362,11 @@ def test_a_cancellation_wins_over_a_closing_worker(
 ) -> None:
     closing: list[bool] = []
 
-    def both(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def both(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         ending.cancel(folder, records)
         time.sleep(0.4)
         closing.append(True)
-        return until_stopped(folder, out_dir, observer)
+        return until_stopped(folder, out_dir, observer, _)
 
     attempt(folder.job_id, desk(both, is_shutting_down=lambda: bool(closing)))
 
@@ -317,7 +379,7 @@ def test_a_long_step_does_not_lose_the_lease(
 ) -> None:
     refusals: list[Refusal | None] = []
 
-    def silent(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def silent(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         time.sleep(2.5 * settings.lease_s)
         refusals.append(records.claim(folder.job_id, settings.lease_s, 3).refusal)
         return wrote(out_dir)
@@ -331,11 +393,13 @@ def test_a_long_step_does_not_lose_the_lease(
 def test_who_lost_the_job_stops_and_writes_nothing(
     folder: JobFolder, records: JobRecords, desk: MakeDesk, settings: WorkerSettings
 ) -> None:
-    def is_overtaken(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_overtaken(
+        folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         # As a stalled host looks from outside: its lease has ended, another worker took the job.
         records.released(folder.job_id, int(out_dir.name.split("-")[1]))
         assert records.claim(folder.job_id, 60.0, 3).granted
-        return until_stopped(folder, out_dir, observer)
+        return until_stopped(folder, out_dir, observer, _)
 
     attempt(folder.job_id, desk(is_overtaken))
 
@@ -348,7 +412,9 @@ def test_who_lost_the_job_stops_and_writes_nothing(
 def test_who_lost_the_job_unknowingly_writes_nothing(
     end: str, folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def is_overtaken(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_overtaken(
+        folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         records.released(folder.job_id, int(out_dir.name.split("-")[1]))
         assert records.claim(folder.job_id, 60.0, 3).granted
         if end == "fault":
@@ -438,7 +504,7 @@ def test_what_a_killed_attempt_left_behind_is_removed(
 def test_an_erased_job_is_not_resurrected(
     folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def is_erased(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_erased(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         ending.erase(folder, records)
         return wrote(out_dir)
 
@@ -451,7 +517,7 @@ def test_an_erased_job_is_not_resurrected(
 def test_a_redis_that_is_away_for_a_while_costs_nothing(
     redis_server: RedisServer, folder: JobFolder, records: JobRecords, desk: MakeDesk
 ) -> None:
-    def outlives(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def outlives(folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         redis_server.freeze()
         observer.advanced(Progress(stage=Stage.FITTING, fraction=0.5))
         assert not observer.is_cancelled()
@@ -471,7 +537,9 @@ def test_a_redis_that_is_gone_at_the_end_leaves_the_job_to_the_reconciler(
     queue: JobQueue,
     desk: MakeDesk,
 ) -> None:
-    def loses_redis(folder: JobFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def loses_redis(
+        folder: JobFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         redis_server.kill()
         return wrote(out_dir)
 

@@ -19,7 +19,7 @@ from schemas.job import JobState
 from tests.stores import remains
 from tests.worker.test_attempt import good, known, never, until_stopped, wrote
 from worker.attempt import Desk, Produce, attempt
-from worker.observer import Observer
+from worker.observer import KeepsFound, Observer
 from worker.patience import patiently
 from worker.settings import WorkerSettings
 
@@ -97,7 +97,9 @@ def test_a_published_job_whose_end_could_not_be_written_is_not_computed_again(
         attempt(folder.job_id, desk(good, patience_s=1.0))
     assert folder.outcome() is None
 
-    def unwanted(folder: ObjectFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def unwanted(
+        folder: ObjectFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         pytest.fail("the job was computed once too often")
 
     attempt(folder.job_id, desk(unwanted))
@@ -107,7 +109,9 @@ def test_a_published_job_whose_end_could_not_be_written_is_not_computed_again(
 def test_who_waits_for_the_store_hears_a_cancellation(
     folder: ObjectFolder, records: JobRecords, desk: Callable[..., Desk]
 ) -> None:
-    def is_cancelled(folder: ObjectFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def is_cancelled(
+        folder: ObjectFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         ending.cancel(folder, records)
         return wrote(out_dir)
 
@@ -119,7 +123,7 @@ def test_who_waits_for_the_store_hears_a_cancellation(
 def test_a_job_erased_while_it_runs_leaves_nothing(
     store: JobStore, folder: ObjectFolder, settings: WorkerSettings, desk: Callable[..., Desk]
 ) -> None:
-    def erased(folder: ObjectFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def erased(folder: ObjectFolder, out_dir: Path, observer: Observer, _: KeepsFound) -> Manifest:
         folder.erase()
         return wrote(out_dir)
 
@@ -131,10 +135,12 @@ def test_a_job_erased_while_it_runs_leaves_nothing(
 def test_a_cancelled_job_leaves_no_results(
     store: JobStore, folder: ObjectFolder, records: JobRecords, desk: Callable[..., Desk]
 ) -> None:
-    def checkpoints(folder: ObjectFolder, out_dir: Path, observer: Observer) -> Manifest:
+    def checkpoints(
+        folder: ObjectFolder, out_dir: Path, observer: Observer, _: KeepsFound
+    ) -> Manifest:
         folder.write_checkpoint("level-1", b"weights")
         ending.cancel(folder, records)
-        return until_stopped(folder, out_dir, observer)
+        return until_stopped(folder, out_dir, observer, _)
 
     attempt(folder.job_id, desk(checkpoints))
     assert known(records, folder).state is JobState.CANCELLED

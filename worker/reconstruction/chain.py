@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from schemas.problem import InputError, InternalError, ProblemType, ServiceError
 from worker.checkpoints import Checkpoint, Checkpoints
-from worker.observer import Observer
+from worker.observer import Cancelled, Observer
 from worker.reconstruction.cycle import FitStep
 from worker.reconstruction.frame_pipeline import reconstruct_frame
 from worker.reconstruction.frame_share import FrameShare
@@ -26,11 +26,14 @@ class FrameResults:
 
     fits: dict[int, FrameFit] = field(default_factory=dict)
     failures: dict[int, ServiceError] = field(default_factory=dict)
+    is_stopped: bool = False
+    """Whether the observer asked to stop before all had their turn."""
 
     def add(self, others: "FrameResults") -> None:
         """Take up the results of other frames."""
         self.fits |= others.fits
         self.failures |= others.failures
+        self.is_stopped |= others.is_stopped
 
     @contextmanager
     def failing_alone(self, index: int) -> Iterator[None]:
@@ -53,7 +56,8 @@ def fitted_chain(
     checkpoints: Checkpoints,
 ) -> FrameResults:
     """The frames of the steps, which are posed, in this order. What was found is kept in `sequence`
-    for those that come after. Raises Cancelled, and an error that is no frame's own.
+    for those that come after. When the observer asks to stop, those that were finished. Raises an
+    error that is no frame's own.
     """
     results = FrameResults()
     whole, done = sequence.plan.cost(steps), 0.0
@@ -62,9 +66,13 @@ def fitted_chain(
         end = done + sequence.plan.cost([step]) / whole
         share = FrameShare(observer, label, done, min(end, 1.0))
         done = end
-        with results.failing_alone(step.frame):
-            place = Checkpoint(checkpoints, f"frame-{label}")
-            results.fits[step.frame] = reconstruct_frame(step, sequence, share, place)
+        place = Checkpoint(checkpoints, f"frame-{label}")
+        try:
+            with results.failing_alone(step.frame):
+                results.fits[step.frame] = reconstruct_frame(step, sequence, share, place)
+        except Cancelled:
+            results.is_stopped = True
+            break
         if step.frame in results.failures:
             sequence.forget(step.frame)
     return results

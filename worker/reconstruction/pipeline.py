@@ -13,7 +13,7 @@ from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
 from worker.checkpoints import Checkpoints, Unkept
 from worker.crew import Alone, Crew, Part
-from worker.observer import Observer, Unobserved
+from worker.observer import Cancelled, Observer, Unobserved
 from worker.progress_share import ProgressShare
 from worker.reconstruction.base_plane import find_base
 from worker.reconstruction.chain import FrameResults, fitted_chain
@@ -22,12 +22,14 @@ from worker.reconstruction.field_problem import posed
 from worker.reconstruction.meshing import finest_cell
 from worker.reconstruction.normalisation import UnitFrame, normalised, unit_frame_of
 from worker.reconstruction.posed_frame import PosedFrame
-from worker.reconstruction.result import FailedFrame, Reconstruction
+from worker.reconstruction.result import FailedFrame, Reconstruction, StoppedEarly
 from worker.reconstruction.sequence import FrameSequence, sequence_plan
 from worker.reconstruction.slice_stack import SliceStack
 from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tissues import partition
 from worker.reconstruction.workload import check_workload
+
+_NOT_BEGUN = "It was not fitted: the job was cancelled before. For all frames, send it again."
 
 
 def reconstruct(
@@ -46,7 +48,8 @@ def reconstruct(
 
     Same study, options, thread count and library versions: same surfaces, bit for bit. Raises
     InputError for input that no field can be fitted to, InternalError(NO_SURFACE) when a fit
-    encloses nothing, Cancelled when the observer asks to stop.
+    encloses nothing, Cancelled when the observer asks to stop: StoppedEarly, with the frames that
+    were finished, where there are any.
     """
     watcher, kept, hands = observer or Unobserved(), checkpoints or Unkept(), crew or Alone()
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
@@ -63,25 +66,33 @@ def reconstruct(
     steps = [step for step in plan.steps if step.frame in posed_frames]
     whole, done = plan.cost(steps), 0.0
     # Until one is there that others go on from, and whose shifts hold for all.
-    while steps and not results.fits:
+    while steps and not (results.fits or results.is_stopped):
         first = [steps.pop(0)]
         share = ProgressShare(watcher, done / whole, (done + plan.cost(first)) / whole)
         results.add(fitted_chain(sequence, first, share, kept))
         done += plan.cost(first)
     parts = [Part(fitted_chain, (sequence, one), plan.cost(one)) for one in chains(steps)]
-    if parts:
+    if parts and not results.is_stopped:
         for found in hands.all_of(parts, ProgressShare(watcher, done / whole), kept):
             results.add(found)
     fits, failures = results.fits, results.failures
+    if results.is_stopped and not fits:
+        raise Cancelled
     if failures and not fits:
         raise failures[min(failures)]
-    return Reconstruction(
+    reasons = {index: error.detail for index, error in failures.items()}
+    unfitted = posed_frames.keys() - fits.keys() - failures.keys()
+    reasons |= dict.fromkeys(unfitted, _NOT_BEGUN)
+    found = Reconstruction(
         study.subject_id,
         study.axes,
         tuple(fits[index] for index in sorted(fits)),
-        tuple(FailedFrame(stacks[i].label, failures[i].detail) for i in sorted(failures)),
+        tuple(FailedFrame(stacks[index].label, reasons[index]) for index in sorted(reasons)),
         sequence.warnings(),
     )
+    if results.is_stopped:
+        raise StoppedEarly(found)
+    return found
 
 
 def _posed_frame(

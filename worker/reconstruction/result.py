@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from schemas.vocabulary import Axes, Structure, View
 from worker.arrays import Points, SomeScalars, Vector
+from worker.observer import Cancelled
 from worker.reconstruction.motion import moved_back
 from worker.surface_mesh import SurfaceMesh
 
@@ -120,3 +121,11 @@ class Reconstruction:
     frames: tuple[FrameFit, ...]
     failed: tuple[FailedFrame, ...] = ()
     warnings: tuple[str, ...] = ()
+
+
+class StoppedEarly(Cancelled):
+    """The observer asked to stop when some frames were finished: `found` has these."""
+
+    def __init__(self, found: Reconstruction) -> None:
+        super().__init__(f"{len(found.frames)} frames were finished.")
+        self.found = found

@@ -17,7 +17,7 @@ from worker.helped_crew import crew_of
 from worker.observer import Cancelled
 from worker.reconstruction import frame_pipeline
 from worker.reconstruction.pipeline import reconstruct
-from worker.reconstruction.result import FailedFrame, Reconstruction
+from worker.reconstruction.result import FailedFrame, Reconstruction, StoppedEarly
 
 RADII_MM = {"F0": 25.0, "F1": 24.0, "F2": 23.0, "F3": 24.0}
 CENTRE_MM = np.array([12.0, -30.0, 55.0])
@@ -163,6 +163,38 @@ def test_the_error_of_a_frame_alone_is_raised(beating, small: Options, fail_in) 
     fail_in("F0")
     with pytest.raises(InternalError, match="F0 is empty"):
         reconstruct(beating({"F0": 25.0}), small)
+
+
+@pytest.mark.parametrize("processes", [1, 2])
+def test_the_frames_that_were_finished_are_kept_where_it_is_stopped(
+    beating, small: Options, processes: int
+) -> None:
+    unbroken = reconstruct(beating(), small)
+    # With a helper, which has F1 and F2, this process has F3 and then waits.
+    stops_in = StopsIn("F2" if processes == 1 else "F3")
+    with (
+        crew_of(processes, torch.get_num_threads()) as crew,
+        pytest.raises(StoppedEarly) as caught,
+    ):
+        reconstruct(beating(), small, stops_in, None, crew)
+    found = caught.value.found
+    kept = {frame.label: frame for frame in found.frames}
+    assert {"F0"} <= kept.keys() < set(RADII_MM)
+    assert {one.label for one in found.failed} == set(RADII_MM) - kept.keys()
+    assert all("was cancelled before" in one.reason for one in found.failed)
+    for frame in unbroken.frames:
+        if frame.label in kept:
+            for structure, mesh in frame.surfaces.items():
+                again = kept[frame.label].surfaces[structure]
+                np.testing.assert_array_equal(mesh.vertices_mm, again.vertices_mm)
+
+
+def test_where_it_is_stopped_before_a_frame_is_finished_nothing_is_kept(
+    beating, small: Options
+) -> None:
+    with pytest.raises(Cancelled) as caught:
+        reconstruct(beating(), small, StopsIn("F0"))
+    assert not isinstance(caught.value, StoppedEarly)
 
 
 def test_progress_goes_through_the_frames_and_never_back(beating, small: Options) -> None:
