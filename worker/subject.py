@@ -31,6 +31,7 @@ from worker.stage_clock import StageClock
 from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
 from worker.tracked_meshes import tracked_surfaces
+from worker.tracking.area_strain import area_strain
 from worker.tracking.tracked_surface import TrackedSurface
 
 _RECONSTRUCTED = 0.95
@@ -98,7 +99,9 @@ def run(
     )
     _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
     _write_meshes(unwritten, options, out_dir, job_id)
-    _write_tracked(tracked, study.axes, options, out_dir, job_id)
+    cycle = unwritten.report.cycle
+    ed_frame = None if cycle is None else cycle.ed_frame
+    _write_tracked(tracked, ed_frame, study.axes, options, out_dir, job_id)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"
@@ -147,17 +150,21 @@ def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: s
 
 def _write_tracked(
     tracked: Mapping[Structure, TrackedSurface],
+    ed_frame: str | None,
     axes: Axes,
     options: Options,
     out_dir: Path,
     job_id: str | None,
 ) -> None:
     for structure, surface in tracked.items():
+        labels = [frame.label for frame in surface.frames]
+        strain = area_strain(surface, labels.index(ed_frame)) if ed_frame in labels else None
         for index, frame in enumerate(surface.frames):
             name = str(SurfaceName(frame.label, structure))
             for form in dict.fromkeys(options.formats):
                 path = out_dir / f"{name}_tracked.{form}"
-                write_mesh(path, surface.mesh(index), name, axes, job_id=job_id)
+                fields = {} if strain is None else {"area_strain": strain[index]}
+                write_mesh(path, surface.mesh(index), name, axes, fields, job_id=job_id)
 
 
 @dataclass(frozen=True)
