@@ -2,13 +2,15 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from schemas.cycle_report import SpreadSeries, SurfaceCycleReport
 from schemas.frame_report import FrameReport
 from schemas.reference_report import ReferenceReport
 from schemas.vocabulary import Structure
 from worker.artifacts.cycle_strain import cycle_strain
 from worker.artifacts.end_diastole import areas_cm2, volumes_ml
-from worker.artifacts.measured import MeasuredFrame
+from worker.artifacts.measured import MeasuredFrame, MeasuredSurface
 from worker.evaluation.area_share import vertex_areas_mm2
 from worker.evaluation.area_spread import AreaSpread, area_spread
 from worker.evaluation.change import change_percent
@@ -54,14 +56,19 @@ def _bent_otherwise_percent(reference: ReferenceReport | None) -> float | None:
 
 
 def _field(measured: Measured, structure: Structure, name: str) -> SpreadSeries:
-    found: list[AreaSpread | None] = []
-    for _, frame in measured:
-        surface = frame.surfaces.get(structure)
-        if surface is None or name not in surface.fields:
-            found.append(None)
-        else:
-            found.append(area_spread(vertex_areas_mm2(surface.mesh), surface.fields[name]))
-    return _series(found)
+    found = [frame.surfaces.get(structure) for _, frame in measured]
+    return _series([None if one is None else _spread(one, name) for one in found])
+
+
+def _spread(surface: MeasuredSurface, name: str) -> AreaSpread | None:
+    """Of a field, over the vertices where it is a number: a level set without a slope has none."""
+    values = surface.fields.get(name)
+    if values is None:
+        return None
+    known = np.isfinite(values)
+    if not known.any():
+        return None
+    return area_spread(vertex_areas_mm2(surface.mesh)[known], values[known])
 
 
 def _series(found: Sequence[AreaSpread | None]) -> SpreadSeries:

@@ -26,7 +26,7 @@ from tests.worker.artifacts.beating_spheres import (
 )
 from worker.artifacts.report import measure
 from worker.evaluation.size import volume_ml
-from worker.reconstruction.result import FrameFit, Reconstruction
+from worker.reconstruction.result import FrameFit, LevelSetCurvature, Reconstruction
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.tracked_surface import NOT_OBSERVED, TrackedSurface
 
@@ -207,6 +207,18 @@ def test_what_a_frame_does_not_have_is_null_there() -> None:
     assert found.chambers[ENDO].peak_ejection_rate_ml_per_s is not None
     thickness = found.left_ventricle.wall_thickness_mm[8]
     assert [one is None for one in thickness] == [i == 2 for i in range(COUNT)]
+
+
+def test_curvature_that_is_no_number_at_a_vertex_does_not_count() -> None:
+    frames = [frame(i, COUNT, (ENDO,)) for i in range(3)]
+    bent = frames[1].curvature[ENDO]
+    holed = np.where(np.arange(len(bent.mean_per_mm)) < 5, np.nan, bent.mean_per_mm)
+    none = np.full_like(holed, np.inf)
+    frames[1] = replace(frames[1], curvature={ENDO: LevelSetCurvature(none, holed)})
+    found = known(cycle_of(*frames)).surfaces[ENDO]
+    assert found.mean_curvature_per_mm.mean[1] == pytest.approx(1.0 / radius_mm(1, COUNT))
+    assert found.gaussian_curvature_per_mm2.p95[0] is not None
+    assert found.gaussian_curvature_per_mm2.p95[1] is None
 
 
 def test_open_everywhere_the_largest_area_is_end_diastole() -> None:
