@@ -3,6 +3,7 @@
 from rich.table import Table
 
 from cli.console import notice_console, result_console
+from schemas.cycle_report import CycleReport
 from schemas.report import Report
 
 
@@ -31,10 +32,24 @@ def print_summary(report: Report) -> None:
                 f"{surface.contour_residual_mm.max:.2f}",
             )
     result_console.print(table)
-    if report.function is not None:
+    function = report.function
+    if function is not None:
         result_console.print(
-            f"ejection fraction {report.function.lv_ejection_fraction_percent:.1f} %, "
-            f"stroke volume {report.function.lv_stroke_volume_ml:.1f} mL"
+            f"ejection fraction {function.lv_ejection_fraction_percent:.1f} %, "
+            f"stroke volume {function.lv_stroke_volume_ml:.1f} mL "
+            f"({function.ed_frame} to {function.es_frame})"
         )
+    if report.cycle is not None:
+        _print_cycle(report.cycle)
     for warning in report.warnings:
         notice_console.print(f"Warning: {warning}", markup=False, soft_wrap=True)
+
+
+def _print_cycle(cycle: CycleReport) -> None:
+    """How fast each ventricle empties and fills, a line each."""
+    for structure, chamber in cycle.chambers.items():
+        ejection, filling = chamber.peak_ejection_rate_ml_per_s, chamber.peak_filling_rate_ml_per_s
+        if ejection is not None and filling is not None:
+            result_console.print(
+                f"{structure}: peak ejection {ejection:.0f} mL/s, peak filling {filling:.0f} mL/s"
+            )

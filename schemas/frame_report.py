@@ -85,6 +85,9 @@ class LeftVentricleReport(WireModel):
     mid_area_cm2: float | None = Field(
         description="Area of the cavity across its long axis, half-way from apex to base, cm2."
     )
+    mid_perimeter_mm: float | None = Field(
+        default=None, description="Length of that section's outline, mm."
+    )
     wall_mass_g: float | None = Field(description="Volume of the wall times 1.05 g/mL, grams.")
     wall_thickness_mm: dict[int, SegmentReport] | None = Field(
         description="By number of the American Heart Association's 17 segments, mm: the exact "

@@ -13,8 +13,14 @@ from schemas.vocabulary import Axes, Structure
 
 
 class FunctionReport(WireModel):
-    """Pump function, when frames ED and ES both have a closed left-ventricular endocardium."""
+    """Pump function: of frames named ED and ES where there are both, else, where three frames or
+    more have the left cavity closed, of those where it is largest and smallest.
+    """
 
+    ed_frame: str | None = Field(
+        default=None, description="The frame taken for end-diastole; null outside of a report."
+    )
+    es_frame: str | None = Field(default=None, description="And for end-systole.")
     lv_edv_ml: float
     lv_esv_ml: float
     lv_stroke_volume_ml: float

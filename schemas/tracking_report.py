@@ -9,6 +9,8 @@ from schemas.measures import DistanceSummary
 class TrackedFrameReport(WireModel):
     """A tracked surface at one frame."""
 
+    fit: bool = Field(description="Whether it can stand for the frame's own surface.")
+    reasons: list[str] = Field(description="Why not, each with its remedy; empty when fit.")
     to_surface_mm: DistanceSummary = Field(
         description="Exact distances from points spread over the tracked mesh to the frame's own "
         "surface."

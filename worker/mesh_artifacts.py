@@ -4,6 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+
+from schemas.cycle_report import CycleReport
 from schemas.job import Progress, Stage
 from schemas.surface_name import SurfaceName
 from schemas.vocabulary import Axes, MeshFormat, Structure
@@ -14,6 +18,7 @@ from worker.checkpoints import Checkpoints, Unkept
 from worker.crew import Crew, Part
 from worker.observer import Cancelled, Observer
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.area_strain import area_strain
 from worker.tracking.tracked_surface import TrackedSurface
 
 
@@ -44,9 +49,11 @@ def write_meshes(
             named = _Named(surface.mesh, name, name, surface.fields)
             meshes.setdefault(frame.label, []).append(named)
     for structure, carried in tracked.items():
+        strain = _strain(carried, report.cycle)
         for index, at in enumerate(carried.frames):
             name = str(SurfaceName(at.label, structure))
-            named = _Named(carried.mesh(index), name, f"{name}_tracked")
+            fields = {} if strain is None else {"area_strain": strain[index]}
+            named = _Named(carried.mesh(index), name, f"{name}_tracked", fields)
             meshes.setdefault(at.label, []).append(named)
     formats = tuple(dict.fromkeys(report.options.formats))
     parts = [
@@ -54,6 +61,15 @@ def write_meshes(
         for label, some in meshes.items()
     ]
     crew.all_of(parts, observer, Unkept())
+
+
+def _strain(
+    carried: TrackedSurface, cycle: CycleReport | None
+) -> Float[np.ndarray, "frames n"] | None:
+    labels = [frame.label for frame in carried.frames]
+    if cycle is None or cycle.ed_frame not in labels:
+        return None
+    return area_strain(carried, labels.index(cycle.ed_frame))
 
 
 def _written(

@@ -4,11 +4,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from pydantic import ValidationError
 
 from schemas.options import Options
 from schemas.report import Report
 from schemas.vocabulary import Structure
+from worker.evaluation.area_share import vertex_areas_mm2
+from worker.evaluation.area_spread import area_spread
 from worker.mesh_file import read_surface
 from worker.phantom.standard_study import standard_study
 from worker.subject import run
@@ -31,6 +34,12 @@ def reported(phases: dict[str, float], out_dir: Path) -> Report:
     return run(study, options, out_dir, threads=1, input_sha256="a" * 64).report
 
 
+def stored_strain(path: Path) -> np.ndarray:
+    """The field of a PLY file, (n,)."""
+    stored = trimesh.load_mesh(path, process=False).metadata["_ply_raw"]["vertex"]["data"]
+    return np.asarray(stored["area_strain"], dtype=np.float64)
+
+
 def test_every_frame_has_the_same_triangles_in_another_place(tmp_path: Path) -> None:
     report = reported({"ED": 0.0, "A": 0.5, "ES": 1.0}, tmp_path)
     tracked = report.tracking[Structure.LV_ENDO]
@@ -44,9 +53,21 @@ def test_every_frame_has_the_same_triangles_in_another_place(tmp_path: Path) -> 
         measured = tracked.frames[frame]
         assert measured.to_surface_mm.mean < 0.2
         assert (measured.turned_over, measured.self_intersections) == (0, 0)
+        assert measured.fit == (not measured.reasons)
     own = read_surface(tmp_path / "ED_lv_endo.ply")
     assert np.array_equal(own.vertices_mm, meshes[0].vertices_mm)
     assert not any("tracked" in warning for warning in report.warnings)
+    assert report.cycle is not None
+    strain = report.cycle.surfaces[Structure.LV_ENDO].area_strain_percent
+    assert strain is not None
+    for index, (frame, mesh) in enumerate(zip(tracked.frames, meshes, strict=True)):
+        at_vertices = stored_strain(tmp_path / f"{frame}_lv_endo_tracked.ply")
+        assert len(at_vertices) == len(mesh.vertices_mm)
+        spread = area_spread(vertex_areas_mm2(meshes[0]), 100.0 * at_vertices)
+        assert spread.mean == pytest.approx(strain.mean[index], abs=1e-2)
+        assert spread.p95 == pytest.approx(strain.p95[index], abs=1e-2)
+    assert strain.mean[0] == 0.0
+    assert strain.mean[2] < strain.mean[1] < 0.0
 
 
 def test_two_frames_are_too_few_and_it_is_said(tmp_path: Path) -> None:

@@ -1,11 +1,13 @@
 """What to worry about first: everything suspicious about a reconstruction, ranked."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from schemas.frame_report import FrameReport
 from schemas.report import Concern, FunctionReport
+from schemas.tracking_report import TrackedSurfaceReport
+from schemas.vocabulary import Structure
 from worker.artifacts.error_findings import (
     held_out_findings,
     reference_findings,
@@ -19,6 +21,7 @@ from worker.artifacts.slice_findings import (
     uncertain_shift_findings,
 )
 from worker.artifacts.surface_findings import contact_findings, topology_findings
+from worker.artifacts.tracking_findings import tracking_findings
 from worker.artifacts.volume_findings import function_findings, volume_findings
 
 _SHOWN = 3
@@ -32,6 +35,7 @@ def concerns(
     warnings: Sequence[str],
     *,
     function: FunctionReport | None = None,
+    tracking: Mapping[Structure, TrackedSurfaceReport] | None = None,
     open_base: bool = False,
 ) -> list[Concern]:
     """All that a reader should look at before using the surfaces, the gravest first.
@@ -44,6 +48,7 @@ def concerns(
         frames: As measured.
         warnings: What was said on the way, by intake and by measuring.
         function: Pump function, if it was measured.
+        tracking: Of the surfaces that were carried through the frames.
         open_base: Whether surfaces are meant to have a rim at the valves.
     """
     of_frames, of_input = _split(warnings, frames)
@@ -54,6 +59,7 @@ def concerns(
         *_alike(of_frames),
         ("surfaces far from their reference", reference_findings(frames)),
         ("surfaces that pass through each other", contact_findings(frames)),
+        ("tracked meshes with faults", tracking_findings(tracking or {})),
         ("contours that the surface misses", residual_findings(frames)),
         ("slices with little overlap", overlap_findings(frames)),
         ("surfaces that hang on a single slice", held_out_findings(frames)),

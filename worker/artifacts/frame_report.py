@@ -99,7 +99,7 @@ def measured_frame(
         ],
         levels=[_level(one) for one in fit.levels],
     )
-    return report, MeasuredFrame(fit.label, surfaces, cuts)
+    return report, MeasuredFrame(fit.label, surfaces, cuts, ventricle)
 
 
 @dataclass(frozen=True, eq=False)

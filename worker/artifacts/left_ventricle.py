@@ -14,6 +14,7 @@ from worker.evaluation.area_centroid import area_centroid_mm
 from worker.evaluation.chamber import (
     long_axis_length_mm,
     mid_area_cm2,
+    mid_perimeter_mm,
     sphericity,
 )
 from worker.evaluation.size import volume_ml
@@ -62,6 +63,9 @@ def left_ventricle_report(
         ),
         "sphericity": lambda: _sphericity(_shut(surfaces, closed, _ENDO), _axis(toward_base)),
         "mid_area_cm2": lambda: mid_area_cm2(_shut(surfaces, closed, _ENDO), _axis(toward_base)),
+        "mid_perimeter_mm": lambda: mid_perimeter_mm(
+            _shut(surfaces, closed, _ENDO), _axis(toward_base)
+        ),
         "wall_mass_g": lambda: wall_mass_g(
             volume_ml(_shut(surfaces, closed, _ENDO)), volume_ml(_shut(surfaces, closed, _EPI))
         ),

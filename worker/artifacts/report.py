@@ -8,6 +8,7 @@ from schemas.report import Provenance, Report
 from schemas.vocabulary import Structure
 from worker.artifacts.concerns import concerns
 from worker.artifacts.contour_warnings import contour_warnings
+from worker.artifacts.cycle_report import cycle_report
 from worker.artifacts.frames import measured_frames
 from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
@@ -59,16 +60,23 @@ def measure(
         *(text for one in frames for text in contour_warnings(one.label, one.contour_noise_mm)),
         *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
     ]
-    function = function_report(frames)
+    function, tracking = function_report(frames), tracking_report(tracked or {})
     report = Report(
         subject_id=reconstruction.subject_id,
         axes=reconstruction.axes,
         frames=frames,
         failed_frames=failed,
         function=function,
-        tracking=tracking_report(tracked or {}),
+        cycle=cycle_report(measured, tracked or {}, is_whole_cycle=options.sequence.whole_cycle),
+        tracking=tracking,
         warnings=said,
-        concerns=concerns(frames, said, function=function, open_base=options.base is Base.OPEN),
+        concerns=concerns(
+            frames,
+            said,
+            function=function,
+            tracking=tracking,
+            open_base=options.base is Base.OPEN,
+        ),
         timings_s={},
         options=options,
         provenance=provenance,

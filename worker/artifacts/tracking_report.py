@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from schemas.measures import DistanceSummary
 from schemas.tracking_report import TrackedFrameReport, TrackedSurfaceReport
 from schemas.vocabulary import Structure
+from worker.artifacts.tracking_gate import tracking_faults
 from worker.evaluation.distance import DirectedDistance
 from worker.tracking.tracked_surface import TrackedFrame, TrackedSurface
 
@@ -29,7 +30,10 @@ def _surface(tracked: TrackedSurface) -> TrackedSurfaceReport:
 
 
 def _frame(frame: TrackedFrame) -> TrackedFrameReport:
+    reasons = tracking_faults(frame)
     return TrackedFrameReport(
+        fit=not reasons,
+        reasons=reasons,
         to_surface_mm=_summary(frame.to_surface),
         from_surface_mm=_summary(frame.from_surface),
         turned_over=frame.turned_over,

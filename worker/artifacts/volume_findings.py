@@ -60,10 +60,11 @@ def function_findings(
         ("right", function.rv_ejection_fraction_percent),
     ):
         if percent is not None and not low <= percent <= high:
+            ed, es = function.ed_frame or "ED", function.es_frame or "ES"
             text = (
-                f"ED and ES: the {name} ejection fraction is {percent:.1f} %; hearts have {low:g} "
-                f"to {high:g} %. Check whether the frames are swapped, and whether both show the "
-                "same slices."
+                f"{ed} and {es}: the {name} ejection fraction is {percent:.1f} %; hearts have "
+                f"{low:g} to {high:g} %. Check whether the frames are swapped, and whether both "
+                "show the same slices."
             )
             found.append(Finding(percent <= 0.0, abs(percent - 50.0), text))
     return found

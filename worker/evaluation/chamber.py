@@ -23,10 +23,25 @@ def sphericity(volume_ml: float, length_mm: float) -> float:
 
 def mid_area_cm2(mesh: SurfaceMesh, toward_base: Vector) -> float:
     """Area across a closed, outward chamber half-way between apex and base, cm2."""
-    heights = mesh.vertices_mm @ toward_base
-    middle = 0.5 * (heights.min() + heights.max()) * toward_base
+    middle = _middle_mm(mesh, toward_base)
     doubled = [
         np.cross(loop - middle, np.roll(loop, -1, axis=0) - middle).sum(axis=0)
         for loop in section(mesh, middle, toward_base)
     ]
     return float(np.sum(doubled, axis=0) @ toward_base / 2.0 / 100.0)
+
+
+def mid_perimeter_mm(mesh: SurfaceMesh, toward_base: Vector) -> float:
+    """Length of the outline of a closed chamber half-way between apex and base, mm: of the longest,
+    where there are several.
+    """
+    loops = section(mesh, _middle_mm(mesh, toward_base), toward_base)
+    lengths = [np.linalg.norm(loop - np.roll(loop, -1, axis=0), axis=1).sum() for loop in loops]
+    return float(max(lengths, default=0.0))
+
+
+def _middle_mm(mesh: SurfaceMesh, toward_base: Vector) -> Vector:
+    """A point half-way up."""
+    heights = mesh.vertices_mm @ toward_base
+    middle: Vector = 0.5 * (heights.min() + heights.max()) * toward_base
+    return middle

@@ -3,22 +3,16 @@
 import numpy as np
 from jaxtyping import Float
 
-from worker.evaluation.size import triangle_areas_mm2
-from worker.surface_mesh import SurfaceMesh
+from worker.evaluation.area_share import vertex_areas_mm2
 from worker.tracking.tracked_surface import TrackedSurface
 
 
-def area_strain(tracked: TrackedSurface) -> Float[np.ndarray, "frames n"]:
-    """Area of the triangles about each vertex over that at the frame of the mesh, less one.
+def area_strain(tracked: TrackedSurface, since: int | None = None) -> Float[np.ndarray, "frames n"]:
+    """Area of the triangles about each vertex over that at frame `since`, less one. since: an
+    index; the frame of the mesh where none is given.
 
     Its mean over a surface is observed. How it is spread depends on the tangential motion, which
     the regulariser alone decides (`NOT_OBSERVED`).
     """
-    frames = range(len(tracked.vertices_mm))
-    areas = np.stack([_around_vertices_mm2(tracked.mesh(frame)) for frame in frames])
-    return areas / areas[tracked.rest] - 1.0
-
-
-def _around_vertices_mm2(mesh: SurfaceMesh) -> np.ndarray:
-    areas = np.repeat(triangle_areas_mm2(mesh), 3)
-    return np.bincount(mesh.faces.ravel(), areas, len(mesh.vertices_mm))
+    areas = np.stack([vertex_areas_mm2(tracked.mesh(i)) for i in range(len(tracked.vertices_mm))])
+    return areas / areas[tracked.rest if since is None else since] - 1.0

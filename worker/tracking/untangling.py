@@ -9,9 +9,9 @@ from worker.surface_mesh import SurfaceMesh
 from worker.tracking.faults import FaceFlags, against, folded, narrow, turned_over
 from worker.tracking.frame_surface import FrameSurface
 
-_LEAST_ANGLE_DEG = 10.0
+LEAST_ANGLE_DEG = 10.0
 _FOLD_DEG = 140.0
-"""Both stricter than what is counted as a fault afterwards."""
+"""Both no milder than what is counted as a fault afterwards."""
 
 _MOST_ROUNDS = 40
 _WIDER_EVERY = 8
@@ -49,9 +49,7 @@ class Untangler:
 
     def _faulty(self, mesh: SurfaceMesh) -> FaceFlags:
         return (
-            turned_over(mesh)
-            | folded(mesh, self._edges, _FOLD_DEG)
-            | narrow(mesh, _LEAST_ANGLE_DEG)
+            turned_over(mesh) | folded(mesh, self._edges, _FOLD_DEG) | narrow(mesh, LEAST_ANGLE_DEG)
         )
 
     def _smoothed(self, vertices: Points, touched: np.ndarray, rings: int) -> Points:

@@ -228,6 +228,14 @@ def test_a_pump_that_no_heart_is(function: FunctionReport, severity: str) -> Non
     assert "ejection fraction" in found.text
 
 
+def test_a_concern_names_the_frames_that_it_is_of() -> None:
+    function = pump(lv_ejection_fraction_percent=92.0).model_copy(
+        update={"ed_frame": "F00", "es_frame": "F09"}
+    )
+    (found,) = concerns([frame(label="F00"), frame(label="F09")], [], function=function)
+    assert found.text.startswith("F00 and F09: the left ejection fraction is 92.0 %")
+
+
 def test_no_function_is_a_concern_only_where_both_instants_were_sent() -> None:
     assert concerns([frame()], []) == []
     assert (

@@ -47,6 +47,7 @@ def test_spheres_measure_as_the_formulas_say() -> None:
     assert found.long_axis_length_mm == pytest.approx(50.0, abs=0.1)
     assert found.sphericity == pytest.approx(1.0, abs=0.01)
     assert found.mid_area_cm2 == pytest.approx(np.pi * 6.25, rel=5e-3)
+    assert found.mid_perimeter_mm == pytest.approx(np.pi * 50.0, rel=5e-3)
     expected_g = 1.05 * 4e-3 / 3 * np.pi * (35.0**3 - 25.0**3)
     assert found.wall_mass_g == pytest.approx(expected_g, rel=5e-3)
     assert sorted(found.wall_thickness_mm) == list(range(1, 18))
@@ -89,7 +90,13 @@ def test_a_slice_that_grazes_the_base_is_no_ring() -> None:
             set(),
             OUTLINES,
             None,
-            {"long_axis_length_mm", "sphericity", "mid_area_cm2", "wall_thickness_mm"},
+            {
+                "long_axis_length_mm",
+                "sphericity",
+                "mid_area_cm2",
+                "mid_perimeter_mm",
+                "wall_thickness_mm",
+            },
         ),
     ],
 )

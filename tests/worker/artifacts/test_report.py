@@ -150,6 +150,26 @@ def test_function_is_reported_for_end_diastole_and_end_systole() -> None:
     assert function.lv_ejection_fraction_percent == pytest.approx(100 * (1 - 0.8**3), abs=0.1)
     assert function.lv_fractional_area_change_percent == pytest.approx(36.0, abs=0.2)
     assert function.rv_edv_ml is None
+    assert (function.ed_frame, function.es_frame) == ("ED", "ES")
+
+
+def test_function_of_a_cycle_is_of_its_largest_and_smallest_cavity() -> None:
+    radii_mm = {"F0": 27.0, "F1": 24.0, "F2": 25.0, "F3": 30.0}
+    function = report_of(*(frame(label, radius) for label, radius in radii_mm.items())).function
+    assert function is not None
+    assert (function.ed_frame, function.es_frame) == ("F3", "F1")
+    assert function.lv_ejection_fraction_percent == pytest.approx(100 * (1 - 0.8**3), abs=0.1)
+    assert function.lv_fractional_area_change_percent == pytest.approx(36.0, abs=0.2)
+
+
+def test_frames_that_are_named_so_are_end_diastole_and_end_systole() -> None:
+    radii_mm = {"a": 31.0, "es": 24.0, "b": 20.0, "ed": 30.0}
+    report = report_of(*(frame(label, radius) for label, radius in radii_mm.items()))
+    assert report.function is not None
+    assert (report.function.ed_frame, report.function.es_frame) == ("ed", "es")
+    # What the cycle says is of the volumes alone.
+    assert report.cycle is not None
+    assert (report.cycle.ed_frame, report.cycle.chambers[Structure.LV_ENDO].es_frame) == ("a", "b")
 
 
 def test_the_right_ventricle_pumps_too() -> None:

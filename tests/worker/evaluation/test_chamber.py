@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from worker.evaluation.chamber import long_axis_length_mm, mid_area_cm2, sphericity
+from worker.evaluation.chamber import (
+    long_axis_length_mm,
+    mid_area_cm2,
+    mid_perimeter_mm,
+    sphericity,
+)
 from worker.evaluation.size import volume_ml
 from worker.surface_mesh import SurfaceMesh
 
@@ -26,6 +31,8 @@ def test_a_stretched_sphere(sphere, factor: float) -> None:
     assert sphericity(volume_ml(chamber), length_mm) == pytest.approx(factor**-2, rel=5e-3)
     assert mid_area_cm2(chamber, Z) == pytest.approx(4.0 * np.pi, rel=2e-3)
     assert mid_area_cm2(chamber, -Z) == pytest.approx(4.0 * np.pi, rel=2e-3)
+    assert mid_perimeter_mm(chamber, Z) == pytest.approx(40.0 * np.pi, rel=2e-3)
+    assert mid_perimeter_mm(chamber, -Z) == pytest.approx(mid_perimeter_mm(chamber, Z))
 
 
 def test_a_sphere_is_a_sphere_at_every_size(spheres) -> None:
@@ -37,3 +44,7 @@ def test_a_sphere_is_a_sphere_at_every_size(spheres) -> None:
 
 def test_a_hole_is_not_area(torus) -> None:
     assert mid_area_cm2(torus, Z) == pytest.approx(np.pi * (6.25 - 2.25), rel=0.02)
+
+
+def test_the_longest_of_several_outlines_is_taken(torus) -> None:
+    assert mid_perimeter_mm(torus, Z) == pytest.approx(2.0 * np.pi * 25.0, rel=0.02)

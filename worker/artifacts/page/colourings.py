@@ -39,6 +39,7 @@ _LOOKS: Mapping[str, _Look] = {
     "mean_curvature_per_mm": _Look("mean curvature", "1/mm", SIGNED),
     "gaussian_curvature_per_mm2": _Look("Gaussian curvature", "1/mm²", SIGNED),
     "thickness_mm": _Look("wall thickness", "mm", AMOUNT),
+    "area_strain": _Look("area strain", "", SIGNED),
     "third": _Look(
         "third",
         "",
