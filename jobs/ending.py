@@ -14,11 +14,12 @@ _LOGGER = logging.getLogger(__name__)
 
 
 def cancel(
-    folder: JobFolder, records: JobRecords, *, keeps_frames: bool = False
+    folder: JobFolder, records: JobRecords, *, keeps_frames: bool | None = False
 ) -> JobState | None:
     """Ask a job to stop; where none works on it, it is cancelled now and its folder says so.
 
-    keeps_frames: The frames that its worker has finished by then are its results.
+    keeps_frames: The frames that its worker has finished by then are its results; None: as the
+    last cancellation had it.
 
     Returns where the job stands, None for an unknown one. Idempotent: doing it again mends what a
     crash in between left.

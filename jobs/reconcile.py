@@ -133,7 +133,8 @@ def _mend(folder: JobFolder, records: JobRecords) -> Literal["restored", "ended"
         records.restore(_request(folder), outcome)
         return "ended"
     if job.state is JobState.CANCELLING:
-        return "ended" if cancel(folder, records) is JobState.CANCELLED else None
+        state = cancel(folder, records, keeps_frames=None)
+        return "ended" if state is JobState.CANCELLED else None
     return None
 
 

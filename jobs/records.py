@@ -198,10 +198,11 @@ class JobRecords:
         """Whether the job was cancelled last with its finished frames to be kept."""
         return self._redis.hget(record_key(job_id), "keeps_frames") == "1"
 
-    def request_cancel(self, job_id: str, *, keeps_frames: bool = False) -> JobState | None:
+    def request_cancel(self, job_id: str, *, keeps_frames: bool | None = False) -> JobState | None:
         """Ask the job to stop, and return where it stands then; None for an unknown job.
 
-        keeps_frames: The frames that its worker has finished by then are its results.
+        keeps_frames: The frames that its worker has finished by then are its results; None: as the
+        last cancellation had it.
 
         Without a live lease it is cancelled at once, and any token out there becomes stale; with
         one it is cancelling until its worker says it stopped. Terminal states stay.

@@ -78,15 +78,17 @@ def released(record: Record | None, token: int, now_us: int) -> Record:
     return replace(held.to(JobState.QUEUED), attempt=held.attempt - 1, progress=Progress())
 
 
-def cancel_requested(record: Record, now_us: int, *, keeps_frames: bool = False) -> Record:
+def cancel_requested(record: Record, now_us: int, *, keeps_frames: bool | None = False) -> Record:
     """Cancelling while a worker holds it, cancelled at once where none does.
 
-    keeps_frames: Whether the frames that it has finished are wanted. The last word holds.
+    keeps_frames: Whether the frames that it has finished are wanted. The last word holds; None is
+    none.
     """
     if record.state.is_terminal:
         return record
     if record.is_held(now_us):
-        return replace(record.to(JobState.CANCELLING), keeps_frames=keeps_frames)
+        keeps = record.keeps_frames if keeps_frames is None else keeps_frames
+        return replace(record.to(JobState.CANCELLING), keeps_frames=keeps)
     if record.state is JobState.RUNNING:  # its worker is lost, and has no right to go on
         record = record.to(JobState.CANCELLING)
     return replace(

@@ -139,6 +139,15 @@ def test_a_worker_that_died_while_cancelling(
     assert found.state is state(records, job) is JobState.CANCELLED
 
 
+def test_a_round_leaves_it_to_the_worker_what_a_cancellation_keeps(
+    store: JobStore, records: JobRecords, queue: JobQueue, redis: Redis, job: Job
+) -> None:
+    claimed(records, redis, job)
+    records.request_cancel(job.id, keeps_frames=True)
+    assert not reconcile(store, records, queue, 0.0).is_something
+    assert records.keeps_frames(job.id)
+
+
 def test_an_end_on_disk_outranks_a_later_cancellation(
     store: JobStore, records: JobRecords, redis: Redis, job: Job
 ) -> None:

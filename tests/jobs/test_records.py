@@ -223,6 +223,7 @@ def test_the_last_cancellation_says_whether_frames_are_kept(
     claimed(records, job_id)
     assert not records.keeps_frames(job_id)
     records.request_cancel(job_id, keeps_frames=True)
+    records.request_cancel(job_id, keeps_frames=None)
     assert records.keeps_frames(job_id)
     records.request_cancel(job_id)
     assert not records.keeps_frames(job_id)
