@@ -22,6 +22,7 @@ from worker.artifacts.manifest import describe
 from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
 from worker.artifacts.page.html import render_html
+from worker.artifacts.playback import write_playback
 from worker.artifacts.report import measure, timed
 from worker.checkpoints import Checkpoints
 from worker.observer import Cancelled, Observer, Unobserved
@@ -99,6 +100,7 @@ def run(
     _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
     _write_meshes(unwritten, options, out_dir, job_id)
     _write_tracked(tracked, study.axes, options, out_dir, job_id)
+    write_playback(unwritten, options, out_dir, job_id)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"

@@ -1,9 +1,11 @@
 """A study of three frames leaves tracked meshes beside the frames' own."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from pydantic import ValidationError
 
 from schemas.options import Options
@@ -18,7 +20,7 @@ QUICK = {
     "levels": 2,
     "iterations_per_level": 60,
     "mesh": {"grid_mm": 4.0},
-    "formats": ["ply"],
+    "formats": ["ply", "vtp", "glb"],
     "surfaces": ["lv_endo"],
     "target_edge_mm": 4.0,
     "tracked_meshes": True,
@@ -47,6 +49,18 @@ def test_every_frame_has_the_same_triangles_in_another_place(tmp_path: Path) -> 
     own = read_surface(tmp_path / "ED_lv_endo.ply")
     assert np.array_equal(own.vertices_mm, meshes[0].vertices_mm)
     assert not any("tracked" in warning for warning in report.warnings)
+
+
+def test_viewers_find_every_frame_in_what_they_play(tmp_path: Path) -> None:
+    reported({"ED": 0.0, "A": 0.5, "ES": 1.0}, tmp_path)
+    for ending in ("", "_tracked"):
+        collection = (tmp_path / f"lv_endo{ending}.pvd").read_text(encoding="ascii")
+        named = re.findall(r'file="([^"]+)"', collection)
+        assert named == [f"{frame}_lv_endo{ending}.vtp" for frame in ("ED", "A", "ES")]
+        assert all((tmp_path / name).is_file() for name in named)
+    played = trimesh.load_scene(tmp_path / "cycle.glb").geometry["lv_endo"]
+    own = read_surface(tmp_path / "ED_lv_endo_tracked.ply")
+    assert np.abs(played.vertices - own.vertices_mm).max() < 1e-4
 
 
 def test_two_frames_are_too_few_and_it_is_said(tmp_path: Path) -> None:
