@@ -8,7 +8,7 @@ from worker.artifacts.frame_times import FrameTimes
 from worker.artifacts.page.bullseye import bullseye
 from worker.artifacts.page.chart import Chart
 from worker.artifacts.page.lines import bands, line, lines, over_time
-from worker.artifacts.page.palette import CONTOUR_COLOURS
+from worker.artifacts.page.palette import STRUCTURE_COLOURS
 from worker.artifacts.page.segments_over_time import segments_over_time
 from worker.evaluation.aha_segments import NAMES
 
@@ -51,7 +51,7 @@ def _volume(cycle: CycleReport, at: Sequence[float], across: str) -> Chart:
                     "size": 9,
                     "symbol": "circle-open",
                     "line": {"width": 2},
-                    "color": CONTOUR_COLOURS[structure],
+                    "color": STRUCTURE_COLOURS[structure],
                 },
                 "showlegend": False,
                 "hoverinfo": "skip",
