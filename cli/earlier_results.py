@@ -10,7 +10,7 @@ from schemas.problem import InputError, ProblemType
 from schemas.report import Report
 
 _JOB = re.compile(r"(https?://.+)/v1/jobs/([0-9a-f]{32})/?")
-_MESHES = (".stl", ".obj", ".ply", ".vtp", ".glb")
+_MESHES = (".stl", ".obj", ".ply", ".vtp", ".glb", ".pvd")
 _HEAD_BYTES = 8192
 _SAID_JOB = re.compile(rb"job_id\W{1,8}([0-9a-f]{32})")
 

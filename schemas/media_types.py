@@ -12,6 +12,7 @@ MESH_MEDIA_TYPES = {
 
 ARTIFACT_MEDIA_TYPES = {f".{form}": type_ for form, type_ in MESH_MEDIA_TYPES.items()} | {
     ".json": "application/json",
+    ".pvd": "application/xml",
     ".html": "text/html; charset=utf-8",
 }
 """By the end of the file's name."""

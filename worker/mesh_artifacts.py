@@ -10,7 +10,7 @@ from jaxtyping import Float
 from schemas.cycle_report import CycleReport
 from schemas.job import Progress, Stage
 from schemas.surface_name import SurfaceName
-from schemas.vocabulary import Axes, MeshFormat, Structure
+from schemas.vocabulary import Axes, MeshFormat
 from worker.arrays import SomeScalars
 from worker.artifacts.measured import Measured
 from worker.artifacts.meshes import write_mesh
@@ -34,7 +34,6 @@ class _Named:
 
 def write_meshes(
     measured: Measured,
-    tracked: Mapping[Structure, TrackedSurface],
     out_dir: Path,
     job_id: str | None,
     observer: Observer,
@@ -48,7 +47,7 @@ def write_meshes(
             name = str(SurfaceName(frame.label, structure))
             named = _Named(surface.mesh, name, name, surface.fields)
             meshes.setdefault(frame.label, []).append(named)
-    for structure, carried in tracked.items():
+    for structure, carried in measured.tracked.items():
         strain = _strain(carried, report.cycle)
         for index, at in enumerate(carried.frames):
             name = str(SurfaceName(at.label, structure))

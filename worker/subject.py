@@ -18,6 +18,7 @@ from schemas.report import Report
 from schemas.study import ContourStudy
 from worker.artifacts.manifest import describe
 from worker.artifacts.page.html import render_html
+from worker.artifacts.playback import write_playback
 from worker.artifacts.report import measure, timed
 from worker.checkpoints import Checkpoints
 from worker.crew import Crew
@@ -125,7 +126,8 @@ def run(
         )
         _enter(Stage.WRITING, _MEASURED, rest)
         written = ProgressShare(rest, _MEASURED, 1.0)
-        write_meshes(unwritten, tracked, out_dir, job_id, written, crew)
+        write_meshes(unwritten, out_dir, job_id, written, crew)
+    write_playback(unwritten, options, out_dir, job_id)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
     text = report.model_dump_json(indent=1) + "\n"

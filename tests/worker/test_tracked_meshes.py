@@ -1,5 +1,6 @@
 """A study of three frames leaves tracked meshes beside the frames' own."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ QUICK = {
     "levels": 2,
     "iterations_per_level": 60,
     "mesh": {"grid_mm": 4.0},
-    "formats": ["ply"],
+    "formats": ["ply", "vtp", "glb"],
     "surfaces": ["lv_endo"],
     "target_edge_mm": 4.0,
     "tracked_meshes": True,
@@ -68,6 +69,18 @@ def test_every_frame_has_the_same_triangles_in_another_place(tmp_path: Path) -> 
         assert spread.p95 == pytest.approx(strain.p95[index], abs=1e-2)
     assert strain.mean[0] == 0.0
     assert strain.mean[2] < strain.mean[1] < 0.0
+
+
+def test_viewers_find_every_frame_in_what_they_play(tmp_path: Path) -> None:
+    reported({"ED": 0.0, "A": 0.5, "ES": 1.0}, tmp_path)
+    for ending in ("", "_tracked"):
+        collection = (tmp_path / f"lv_endo{ending}.pvd").read_text(encoding="ascii")
+        named = re.findall(r'file="([^"]+)"', collection)
+        assert named == [f"{frame}_lv_endo{ending}.vtp" for frame in ("ED", "A", "ES")]
+        assert all((tmp_path / name).is_file() for name in named)
+    played = trimesh.load_scene(tmp_path / "cycle.glb").geometry["lv_endo"]
+    own = read_surface(tmp_path / "ED_lv_endo_tracked.ply")
+    assert np.abs(played.vertices - own.vertices_mm).max() < 1e-4
 
 
 def test_two_frames_are_too_few_and_it_is_said(tmp_path: Path) -> None:

@@ -1,7 +1,7 @@
 """A measured reconstruction: the report, and what is drawn and written beside it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from schemas.report import Report
 from schemas.vocabulary import Structure, View
@@ -9,6 +9,7 @@ from worker.arrays import SomePoints, SomeScalars, Vector
 from worker.evaluation.aha_segments import LeftVentricle
 from worker.evaluation.residuals import Residuals
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.tracked_surface import TrackedSurface
 
 FIELDS = {
     "support_mm": "distance to the nearest contour of the surface",
@@ -72,7 +73,8 @@ class MeasuredFrame:
 
 @dataclass(frozen=True, eq=False)
 class Measured:
-    """Everything about one subject."""
+    """Everything about one subject. tracked: the surfaces that were carried through the frames."""
 
     report: Report
     frames: Sequence[MeasuredFrame]
+    tracked: Mapping[Structure, TrackedSurface] = field(default_factory=dict)

@@ -81,7 +81,7 @@ def measure(
         options=options,
         provenance=provenance,
     )
-    return Measured(report, [frame for _, frame in measured])
+    return Measured(report, [frame for _, frame in measured], tracked or {})
 
 
 def timed(measured: Measured, timings_s: Mapping[str, float]) -> Measured:

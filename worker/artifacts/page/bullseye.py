@@ -31,8 +31,26 @@ def thickness_chart(segments: Mapping[int, SegmentReport] | None) -> Chart | Non
     """Mean thickness of every segment, mm, or None where it was not measured."""
     if not segments:
         return None
-    numbers = [n for n in _RINGS if n in segments]
-    means = [segments[n].mean_mm for n in numbers]
+    said = {
+        n: f"{n} {one.name}: {one.mean_mm:.1f} mm ({one.min_mm:.1f} to {one.max_mm:.1f})"
+        for n, one in segments.items()
+    }
+    note = (
+        "Mean of each AHA segment, mm; dark is thin. Base outside, apex in the middle, seen from "
+        "the apex."
+    )
+    figure = bullseye({n: one.mean_mm for n, one in segments.items()}, said)
+    return Chart("Wall thickness, left ventricle", note, figure)
+
+
+def bullseye(
+    values: Mapping[int, float], said: Mapping[int, str], *, digits: int = 1
+) -> dict[str, Any]:
+    """A number for every segment, at least one, dark where it is small, and what the mouse reads
+    there.
+    """
+    numbers = [n for n in _RINGS if n in values]
+    means = [values[n] for n in numbers]
     angles = [segment_angles_deg(n) for n in numbers]
     rings = [_RINGS[n] for n in numbers]
     low, high = min(means), max(means)
@@ -51,11 +69,7 @@ def thickness_chart(segments: Mapping[int, SegmentReport] | None) -> Chart | Non
             "line": {"color": "white", "width": 1.5},
         },
         "hoverinfo": "text",
-        "hovertext": [
-            f"{n} {segments[n].name}: {segments[n].mean_mm:.1f} mm "
-            f"({segments[n].min_mm:.1f} to {segments[n].max_mm:.1f})"
-            for n in numbers
-        ],
+        "hovertext": [said[n] for n in numbers],
     }
     labels = {
         "type": "scatterpolar",
@@ -65,11 +79,11 @@ def thickness_chart(segments: Mapping[int, SegmentReport] | None) -> Chart | Non
             0.0 if n == 17 else (inner + outer) / 2.0
             for n, (inner, outer) in zip(numbers, rings, strict=True)
         ],
-        "text": [f"{mean:.1f}" for mean in means],
+        "text": [f"{mean:.{digits}f}" for mean in means],
         "textfont": {"size": 11, "color": [_ink(mean, low, high) for mean in means]},
         "hoverinfo": "skip",
     }
-    figure: dict[str, Any] = {
+    return {
         "data": [wedges, labels],
         "layout": {
             "polar": {
@@ -88,11 +102,6 @@ def thickness_chart(segments: Mapping[int, SegmentReport] | None) -> Chart | Non
             "margin": {"l": 58, "r": 58, "t": 22, "b": 22},
         },
     }
-    note = (
-        "Mean of each AHA segment, mm; dark is thin. Base outside, apex in the middle, seen from "
-        "the apex."
-    )
-    return Chart("Wall thickness, left ventricle", note, figure)
 
 
 def _ink(mean: float, low: float, high: float) -> str:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 
-import igl
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -23,13 +22,18 @@ def display_mesh(
     mesh: SurfaceMesh, fields: Mapping[str, SomeScalars], triangles: int
 ) -> tuple[SurfaceMesh, dict[str, SomeScalars]]:
     """The mesh with about so many triangles, and its fields (vertices,), each value from the
-    nearest vertex of before. A mesh that is no finer, or that cannot be thinned out, stays.
+    nearest vertex of before. A mesh that is no finer stays.
     """
     if len(mesh.faces) <= triangles:
         return mesh, dict(fields)
-    vertices, faces, _, _ = igl.decimate(mesh.vertices_mm, mesh.faces, triangles)
-    if not len(faces):  # edges of more than two triangles
-        return mesh, dict(fields)
-    thinned = SurfaceMesh(np.asarray(vertices), np.asarray(faces, dtype=np.int64))
+    # Here, since VTK takes half a second to load. Its quadrics keep 2000 triangles within 0.2 mm of
+    # a heart; collapsing the shortest edges to their middles cuts up to 2 mm off its ends.
+    import pyvista
+
+    whole = pyvista.PolyData.from_regular_faces(mesh.vertices_mm, mesh.faces)
+    thin = whole.decimate(1.0 - triangles / len(mesh.faces))
+    thinned = SurfaceMesh(
+        np.asarray(thin.points, dtype=np.float64), np.asarray(thin.regular_faces, dtype=np.int64)
+    )
     _, nearest = cKDTree(mesh.vertices_mm).query(thinned.vertices_mm)
     return thinned, {name: values[nearest] for name, values in fields.items()}

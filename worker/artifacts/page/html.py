@@ -11,6 +11,7 @@ from markupsafe import Markup, escape
 
 from worker.artifacts.measured import Measured
 from worker.artifacts.page.charts import charts
+from worker.artifacts.page.cycle_page import CyclePage, cycle_page
 from worker.artifacts.page.display_mesh import triangles_a_surface
 from worker.artifacts.page.frame_page import FramePage
 from worker.artifacts.page.overlays import panels
@@ -53,26 +54,30 @@ def render_html(measured: Measured) -> str:
         )
         for number, frame in enumerate(measured.frames)
     ]
+    cycle = cycle_page(measured, frames)
     return _PAGES.get_template("page.html.j2").render(
         report=report,
         frames=frames,
-        figures=script_json(_figures(frames)),
+        cycle=cycle,
+        figures=script_json(_figures(frames, cycle)),
         colours=STRUCTURE_COLOURS,
         plotly=_script(get_plotlyjs()),
-        script=_script(_beside("page.js")),
+        script=_script((_beside("cycle.js") if cycle else "") + _beside("page.js")),
         style=Markup(_beside("page.css")),  # noqa: S704  our own file
     )
 
 
-def _figures(frames: Sequence[FramePage]) -> dict[str, Any]:
-    """By the id of the element that each is drawn in."""
+def _figures(frames: Sequence[FramePage], cycle: CyclePage | None) -> dict[str, Any]:
+    """By the id of the element that each is drawn in, and what the player draws."""
+    owners: list[CyclePage | FramePage] = [*([cycle] if cycle else []), *frames]
     return {
         "scenes": {f"{one.id}-scene": one.scene for one in frames},
         "charts": {
             f"{one.id}-chart{number}": chart.figure
-            for one in frames
+            for one in owners
             for number, chart in enumerate(one.charts)
         },
+        "cycle": cycle.scene if cycle else None,
     }
 
 

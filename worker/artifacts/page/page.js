@@ -8,7 +8,7 @@
   const SCENE_BUTTONS = [["toImage"], ["zoom3d", "pan3d", "orbitRotation"], ["resetCameraDefault3d"]];
   const SCENE_CONFIG = { ...CONFIG, displayModeBar: true, modeBarButtons: SCENE_BUTTONS };
   // Browsers give up the oldest of 8 to 16 WebGL contexts; beyond this many, views rest as pictures.
-  const MOST_SCENES = 6;
+  const MOST_SCENES = figures.cycle ? 5 : 6;
   const CLEAR = "rgba(0,0,0,0)";
   const STILL_AFTER_MS = 1200;
 
@@ -127,36 +127,67 @@
     return context !== null;
   };
 
-  const drawScenes = async () => {
-    if (!hasWebgl()) {
-      for (const id of Object.keys(figures.scenes)) document.getElementById(id).parentElement.classList.add("unable");
-      return;
-    }
-    const awake = [];
-    for (const [id, figure] of Object.entries(figures.scenes)) {
-      const scene = sceneOf(id, figure);
-      scene.frame.querySelector(".still").addEventListener("click", async () => {
-        awake.shift().rest();
-        awake.push(scene);
-        await scene.wake();
-      });
+  const able = hasWebgl();
+  const awake = [];
+  const drawScene = async (id) => {
+    const scene = sceneOf(id, figures.scenes[id]);
+    scene.frame.querySelector(".still").addEventListener("click", async () => {
+      awake.shift().rest();
+      awake.push(scene);
       await scene.wake();
-      await scene.picture.take();
+    });
+    await scene.wake();
+    await scene.picture.take();
+    return scene;
+  };
+
+  const player = figures.cycle && able ? cyclePlayer(figures.cycle, figures, { CONFIG: SCENE_CONFIG, inked, ink, dark, still, opacityOf, fromAfar }) : null;
+  // A folded frame is drawn when it is opened.
+  const isFolded = (id) => document.getElementById(id).closest("details.frame:not([open])") !== null;
+  const isOf = (one) => (id) => one.contains(document.getElementById(id));
+
+  const drawAll = async () => {
+    if (!able) for (const one of document.querySelectorAll("[data-scene], .player")) one.classList.add("unable");
+    await player?.begun();
+    for (const id of Object.keys(figures.scenes)) {
+      if (!able || isFolded(id)) continue;
+      const scene = await drawScene(id);
       if (awake.length < MOST_SCENES) awake.push(scene);
       else scene.rest();
     }
-  };
-
-  const drawAll = async () => {
-    await drawScenes();
-    for (const [id, figure] of Object.entries(figures.charts)) await drawChart(id, figure);
+    for (const [id, figure] of Object.entries(figures.charts)) if (!isFolded(id)) await drawChart(id, figure);
+    await player?.picture.take();
     document.documentElement.dataset.drawn = "yes";
   };
 
-  // On paper nothing can be unfolded.
+  const drawFrame = async (frame) => {
+    for (const id of Object.keys(figures.scenes).filter(isOf(frame))) {
+      if (!able) continue;
+      if (awake.length >= MOST_SCENES) awake.shift().rest();
+      awake.push(await drawScene(id));
+    }
+    for (const id of Object.keys(figures.charts).filter(isOf(frame))) await drawChart(id, figures.charts[id]);
+    frame.dataset.drawn = "yes";
+  };
+  for (const frame of document.querySelectorAll("details.frame")) {
+    const opened = () => {
+      if (!frame.open) return;
+      frame.removeEventListener("toggle", opened);
+      drawFrame(frame);
+    };
+    frame.addEventListener("toggle", opened);
+  }
+  const openNamed = () => {
+    const named = document.getElementById(location.hash.slice(1));
+    if (named?.matches("details.frame")) named.open = true;
+  };
+  addEventListener("hashchange", openNamed);
+  openNamed();
+
+  // On paper nothing can be unfolded; a whole frame stays as it is, for there may be very many.
   let unfolded = [];
   addEventListener("beforeprint", () => {
-    unfolded = [...document.querySelectorAll("details:not([open])")];
+    unfolded = [...document.querySelectorAll("details:not([open], .frame)")];
     for (const one of unfolded) one.open = true;
   });
   addEventListener("afterprint", () => {

@@ -11,7 +11,8 @@ from worker.artifacts.measured import MeasuredFrame, MeasuredSurface
 from worker.artifacts.page.colourings import Shown, colourings
 from worker.artifacts.page.display_mesh import display_mesh
 from worker.artifacts.page.palette import CONTOUR_COLOURS, ENCLOSING, GREY, STRUCTURE_COLOURS
-from worker.artifacts.page.typed_arrays import coordinates, index_form, typed
+from worker.artifacts.page.thinned_line import thinned_line
+from worker.artifacts.page.typed_arrays import coordinates, corners
 from worker.surface_mesh import SurfaceMesh
 
 _DIRECTIONS: Mapping[Axes, tuple[str, str, str]] = {
@@ -53,19 +54,24 @@ def scene(frame: MeasuredFrame, axes: Axes, triangles: int) -> dict[str, Any]:
             data.append(_reference(structure, mesh, axes))
     return {
         "data": data,
-        "layout": _layout(axes),
+        "layout": layout(axes),
         "colourings": colourings(shown),
         "layers": layers,
     }
 
 
-def _surface(structure: Structure, mesh: SurfaceMesh, axes: Axes) -> dict[str, Any]:
+def look(structure: Structure, axes: Axes) -> dict[str, Any]:
+    """plotly's trace of a surface, but for where it is."""
     role = "enclosing" if structure in ENCLOSING else "surface"
-    return _mesh(mesh, axes) | {
+    return _mesh_look(axes) | {
         "name": structure.value,
         "color": STRUCTURE_COLOURS[structure],
         "meta": {"role": role},
     }
+
+
+def _surface(structure: Structure, mesh: SurfaceMesh, axes: Axes) -> dict[str, Any]:
+    return _mesh(mesh, axes) | look(structure, axes)
 
 
 def _reference(structure: Structure, mesh: SurfaceMesh, axes: Axes) -> dict[str, Any]:
@@ -78,15 +84,13 @@ def _reference(structure: Structure, mesh: SurfaceMesh, axes: Axes) -> dict[str,
 
 
 def _mesh(mesh: SurfaceMesh, axes: Axes) -> dict[str, Any]:
+    return _mesh_look(axes) | coordinates(mesh.vertices_mm) | corners(mesh.faces)
+
+
+def _mesh_look(axes: Axes) -> dict[str, Any]:
     x, y, z = _CAMERAS[axes]
-    form = index_form(len(mesh.vertices_mm))
-    first, second, third = mesh.faces.T
     return {
         "type": "mesh3d",
-        **coordinates(mesh.vertices_mm),
-        "i": typed(first, form),
-        "j": typed(second, form),
-        "k": typed(third, form),
         "lighting": _LIGHT,
         "lightposition": {"x": _LIGHT_AT * x, "y": _LIGHT_AT * y, "z": _LIGHT_AT * z},
         "hovertemplate": "%{x:.1f}, %{y:.1f}, %{z:.1f} mm%{text}<extra></extra>",
@@ -95,7 +99,7 @@ def _mesh(mesh: SurfaceMesh, axes: Axes) -> dict[str, Any]:
 
 
 def _contours(structure: Structure, surface: MeasuredSurface) -> dict[str, Any]:
-    lines = [_line(r.outline.points_mm, r.outline.closed) for r in surface.residuals]
+    lines = [thinned_line(_line(r.outline.points_mm, r.outline.closed)) for r in surface.residuals]
     return {
         "type": "scatter3d",
         "mode": "lines",
@@ -117,7 +121,8 @@ def _with_gaps(lines: Sequence[SomePoints]) -> SomePoints:
     return np.concatenate([part for line in lines for part in (line, gap)])
 
 
-def _layout(axes: Axes) -> dict[str, Any]:
+def layout(axes: Axes) -> dict[str, Any]:
+    """plotly's, of any 3D view of the patient."""
     x, y, z = _CAMERAS[axes]
     sides = {
         f"{name}axis": {

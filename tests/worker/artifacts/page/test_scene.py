@@ -77,7 +77,7 @@ def test_every_field_has_a_look() -> None:
     assert set(_LOOKS) == set(FIELDS)
 
 
-def test_meshes_are_thinned_out_and_contours_are_whole(
+def test_meshes_and_contours_are_thinned_out_and_every_contour_is_there(
     drawn: dict[str, Any], frame: MeasuredFrame
 ) -> None:
     for structure, layers in drawn["layers"].items():
@@ -86,7 +86,7 @@ def test_meshes_are_thinned_out_and_contours_are_whole(
         x = numbers(drawn["data"][layers["contours"]]["x"])
         outlines = [r.outline for r in frame.surfaces[structure].residuals]
         points = sum(len(one.points_mm) + one.closed for one in outlines)
-        assert np.isfinite(x).sum() == points
+        assert 3 * len(outlines) < np.isfinite(x).sum() < points
         assert np.isnan(x).sum() == len(outlines)
 
 
