@@ -17,6 +17,7 @@ from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
 from worker.artifacts.manifest import describe
+from worker.artifacts.measured import Measured
 from worker.artifacts.page.html import render_html
 from worker.artifacts.playback import write_playback
 from worker.artifacts.report import measure, timed
@@ -47,7 +48,10 @@ _TRACKED = 0.93
 """And when they are tracked, where that is asked for."""
 
 _MEASURED = 0.97
-"""And when they are measured. The rest is writing."""
+"""And when they are measured."""
+
+_MESHES_WRITTEN = 0.98
+"""And when their meshes are written. The rest is the report."""
 
 
 @dataclass(frozen=True)
@@ -114,7 +118,7 @@ def run(
         tracked, untracked = tracked_surfaces(
             reconstruction, options, ProgressShare(rest, _RECONSTRUCTED, _TRACKED), crew
         )
-        unwritten = measure(
+        measured = measure(
             reconstruction,
             options=options,
             warnings=[*warnings, *admission, *untracked],
@@ -125,14 +129,7 @@ def run(
             crew=crew,
         )
         _enter(Stage.WRITING, _MEASURED, rest)
-        written = ProgressShare(rest, _MEASURED, 1.0)
-        write_meshes(unwritten, out_dir, job_id, written, crew)
-    write_playback(unwritten, options, out_dir, job_id)
-    measured = timed(unwritten, clock.timings_s())
-    report = measured.report
-    text = report.model_dump_json(indent=1) + "\n"
-    (out_dir / "report.json").write_text(text, encoding="utf-8")
-    (out_dir / "report.html").write_text(render_html(measured), encoding="utf-8")
+        report = _write(measured, out_dir, job_id, clock, rest, crew)
     manifest = describe(
         out_dir,
         subject_id=study.subject_id,
@@ -158,6 +155,26 @@ def _reconstruct(
 
     share = ProgressShare(observer, 0.0, _RECONSTRUCTED)
     return reconstruct(study, options, share, checkpoints, crew)
+
+
+def _write(
+    measured: Measured,
+    out_dir: Path,
+    job_id: str | None,
+    clock: StageClock,
+    observer: Observer,
+    crew: Crew,
+) -> Report:
+    """Everything but the manifest. The report has the times up to where its own writing begins."""
+    meshes = ProgressShare(observer, _MEASURED, _MESHES_WRITTEN)
+    write_meshes(measured, out_dir, job_id, meshes, crew)
+    write_playback(measured, measured.report.options, out_dir, job_id)
+    measured = timed(measured, clock.timings_s())
+    text = measured.report.model_dump_json(indent=1) + "\n"
+    (out_dir / "report.json").write_text(text, encoding="utf-8")
+    page = render_html(measured, ProgressShare(observer, _MESHES_WRITTEN, 1.0), crew)
+    (out_dir / "report.html").write_text(page, encoding="utf-8")
+    return measured.report
 
 
 def _enter(stage: Stage, fraction: float, observer: Observer) -> None:

@@ -9,7 +9,10 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from worker.artifacts.measured import Measured
+from schemas.frame_report import FrameReport
+from schemas.job import Progress, Stage
+from schemas.vocabulary import Axes
+from worker.artifacts.measured import Measured, MeasuredFrame
 from worker.artifacts.page.charts import charts
 from worker.artifacts.page.cycle_page import CyclePage, cycle_page
 from worker.artifacts.page.display_mesh import triangles_a_surface
@@ -18,6 +21,9 @@ from worker.artifacts.page.overlays import panels
 from worker.artifacts.page.palette import STRUCTURE_COLOURS
 from worker.artifacts.page.scene import scene
 from worker.artifacts.page.script_json import script_json
+from worker.checkpoints import Checkpoints, Unkept
+from worker.crew import Alone, Crew, Part
+from worker.observer import Cancelled, Observer, Unobserved
 
 _CODE = re.compile("`([^`]*)`")
 
@@ -32,28 +38,28 @@ _PAGES.filters["length_of"] = lambda vector: math.hypot(*vector)
 _PAGES.filters["with_code"] = lambda text: _with_code(text)
 
 
-def render_html(measured: Measured) -> str:
+def render_html(
+    measured: Measured, observer: Observer | None = None, crew: Crew | None = None
+) -> str:
     """The page: every text in it escaped, numbers rounded for reading, the same for the same input.
 
     Tables and slice panels are plain HTML; 3D views and charts are drawn by plotly.js, which is in
-    the page, once.
+    the page, once. crew: who draws the frames. Raises Cancelled when the observer asks to stop.
     """
     # Loaded here: it is of no use to a process that renders nothing.
     from plotly.offline import get_plotlyjs
 
     report = measured.report
-    triangles = triangles_a_surface(len(measured.frames))
+    most = triangles_a_surface(len(measured.frames))
+    weight = report.options.loss.hinge_weight
     reports = {frame.label: frame for frame in report.frames}
-    frames = [
-        FramePage(
-            id=f"frame{number}",
-            report=reports[frame.label],
-            scene=scene(frame, report.axes, triangles),
-            charts=charts(reports[frame.label], frame, report.options.loss.hinge_weight),
-            panels=panels(frame, report.axes),
+    parts = [
+        Part(
+            _drawn, (f"frame{number}", reports[frame.label], frame, report.axes, weight, triangles)
         )
         for number, frame in enumerate(measured.frames)
     ]
+    frames: list[FramePage] = (crew or Alone()).all_of(parts, observer or Unobserved(), Unkept())
     cycle = cycle_page(measured, frames)
     return _PAGES.get_template("page.html.j2").render(
         report=report,
@@ -64,6 +70,28 @@ def render_html(measured: Measured) -> str:
         plotly=_script(get_plotlyjs()),
         script=_script((_beside("cycle.js") if cycle else "") + _beside("page.js")),
         style=Markup(_beside("page.css")),  # noqa: S704  our own file
+    )
+
+
+def _drawn(
+    id_: str,
+    frame_report: FrameReport,
+    frame: MeasuredFrame,
+    axes: Axes,
+    hinge_weight: float,
+    triangles: int,
+    observer: Observer,
+    _: Checkpoints,
+) -> FramePage:
+    if observer.is_cancelled():
+        raise Cancelled
+    observer.advanced(Progress(stage=Stage.WRITING, frame=frame.label))
+    return FramePage(
+        id=id_,
+        report=frame_report,
+        scene=scene(frame, axes, triangles),
+        charts=charts(frame_report, frame, hinge_weight),
+        panels=panels(frame, axes),
     )
 
 
