@@ -76,6 +76,12 @@ _TREES: WeakKeyDictionary[SurfaceMesh, _Tree] = WeakKeyDictionary()
 tree takes longer than the query. A mesh is a frozen value, so its tree stays right."""
 
 
+_BETWEEN: WeakKeyDictionary[SurfaceMesh, WeakKeyDictionary[SurfaceMesh, Scalars]] = (
+    WeakKeyDictionary()
+)
+"""From the vertices of one mesh to another, likewise: a wall's thickness is a field and a table."""
+
+
 def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
     """Exact distance from each of (n, 3) points to the nearest triangle of `mesh`, (n,) mm.
 
@@ -83,6 +89,18 @@ def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
     """
     tree = _tree(mesh)
     return tree.nearest(points_mm)[0] if len(points_mm) else np.zeros(0)
+
+
+def vertices_to_surface_mm(mesh: SurfaceMesh, other: SurfaceMesh) -> Scalars:
+    """Exact distance from each vertex of `mesh` to the nearest triangle of `other`, (n,) mm, found
+    once for as long as both are in use. Raises InternalError when the other has no faces.
+    """
+    found = _BETWEEN.setdefault(mesh, WeakKeyDictionary())
+    distances = found.get(other)
+    if distances is None:
+        distances = found[other] = points_to_surface_mm(mesh.vertices_mm, other)
+        distances.flags.writeable = False
+    return distances
 
 
 def nearest_on_surface(

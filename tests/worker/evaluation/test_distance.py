@@ -5,11 +5,13 @@ import pytest
 
 from schemas.problem import InternalError
 from worker.evaluation.distance import (
+    _BETWEEN,
     _TREES,
     distances_both_ways,
     points_to_surface_mm,
     summarised_both_ways,
     surface_to_surface,
+    vertices_to_surface_mm,
 )
 from worker.surface_mesh import SurfaceMesh
 
@@ -103,3 +105,16 @@ def test_a_mesh_is_prepared_once_and_forgotten_with_it(spheres):
     del mesh
     gc.collect()
     assert len(_TREES) == before
+
+
+def test_vertices_are_measured_once_for_as_long_as_both_meshes_are_in_use(spheres):
+    inner, outer = spheres(20.0), spheres(22.0)
+    before = len(_BETWEEN)
+    found = vertices_to_surface_mm(inner, outer)
+    np.testing.assert_array_equal(found, points_to_surface_mm(inner.vertices_mm, outer))
+    assert vertices_to_surface_mm(inner, outer) is found
+    assert vertices_to_surface_mm(outer, inner) is not found
+    assert len(_BETWEEN) == before + 2
+    del inner
+    gc.collect()
+    assert len(_BETWEEN) == before + 1
