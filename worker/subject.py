@@ -25,6 +25,7 @@ from worker.artifacts.page.html import render_html
 from worker.artifacts.report import measure, timed
 from worker.checkpoints import Checkpoints
 from worker.observer import Cancelled, Observer, Unobserved
+from worker.part_of_whole import PartOfWhole
 from worker.provenance import provenance, software
 from worker.reconstruction.result import Reconstruction
 from worker.stage_clock import StageClock
@@ -32,9 +33,7 @@ from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
 from worker.tracked_meshes import tracked_surfaces
 from worker.tracking.tracked_surface import TrackedSurface
-
-_RECONSTRUCTED = 0.95
-"""Fraction of the work that is done when the surfaces are there; the rest is measuring, writing."""
+from worker.work_shares import work_shares
 
 
 @dataclass(frozen=True)
@@ -84,9 +83,12 @@ def run(
     clock = StageClock(observer or Unobserved())
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
-    reconstruction = _reconstruct(study, options, threads, clock, checkpoints)
-    _enter(Stage.MEASURING, _RECONSTRUCTED, clock)
-    tracked, untracked = tracked_surfaces(reconstruction, options, clock)
+    shares, whole = work_shares(study, options), PartOfWhole(clock, 0.0, 1.0)
+    reconstructing = whole.part(0.0, shares.reconstructed)
+    reconstruction = _reconstruct(study, options, threads, reconstructing, checkpoints)
+    _enter(Stage.MEASURING, shares.reconstructed, clock)
+    tracking = whole.part(shares.reconstructed, shares.tracked)
+    tracked, untracked = tracked_surfaces(reconstruction, options, tracking)
     unwritten = measure(
         reconstruction,
         options=options,
@@ -94,10 +96,10 @@ def run(
         provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
         references=references,
         tracked=tracked,
-        observer=clock,
+        observer=whole.part(shares.tracked, shares.measured),
     )
-    _enter(Stage.WRITING, (1 + _RECONSTRUCTED) / 2, clock)
-    _write_meshes(unwritten, options, out_dir, job_id)
+    _enter(Stage.WRITING, shares.measured, clock)
+    _write_meshes(unwritten, options, out_dir, job_id, whole.part(shares.measured, 1.0))
     _write_tracked(tracked, study.axes, options, out_dir, job_id)
     measured = timed(unwritten, clock.timings_s())
     report = measured.report
@@ -126,7 +128,7 @@ def _reconstruct(
     # Loaded here, after the threads are bound, and never in a process that still forks.
     from worker.reconstruction.pipeline import reconstruct
 
-    return reconstruct(study, options, _FirstPart(observer), checkpoints)
+    return reconstruct(study, options, observer, checkpoints)
 
 
 def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
@@ -135,8 +137,12 @@ def _enter(stage: Stage, fraction: float, observer: Observer) -> None:
     observer.advanced(Progress(stage=stage, fraction=fraction))
 
 
-def _write_meshes(measured: Measured, options: Options, out_dir: Path, job_id: str | None) -> None:
-    for frame in measured.frames:
+def _write_meshes(
+    measured: Measured, options: Options, out_dir: Path, job_id: str | None, observer: Observer
+) -> None:
+    for index, frame in enumerate(measured.frames):
+        done = index / (len(measured.frames) + 1)  # The last part is the page.
+        observer.advanced(Progress(stage=Stage.WRITING, frame=frame.label, fraction=done))
         for structure, surface in frame.surfaces.items():
             name = str(SurfaceName(frame.label, structure))
             for form in dict.fromkeys(options.formats):
@@ -158,17 +164,3 @@ def _write_tracked(
             for form in dict.fromkeys(options.formats):
                 path = out_dir / f"{name}_tracked.{form}"
                 write_mesh(path, surface.mesh(index), name, axes, job_id=job_id)
-
-
-@dataclass(frozen=True)
-class _FirstPart:
-    """Passes a reconstruction's progress on as the first part of the whole."""
-
-    whole: Observer
-
-    def advanced(self, progress: Progress) -> None:
-        fraction = _RECONSTRUCTED * progress.fraction
-        self.whole.advanced(progress.model_copy(update={"fraction": fraction}))
-
-    def is_cancelled(self) -> bool:
-        return self.whole.is_cancelled()

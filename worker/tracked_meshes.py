@@ -7,6 +7,7 @@ from schemas.vocabulary import Structure
 from worker.evaluation.distance import nearest_on_surface
 from worker.evaluation.size import volume_ml
 from worker.observer import Observer
+from worker.part_of_whole import PartOfWhole
 from worker.reconstruction.cycle import in_time
 from worker.reconstruction.result import Reconstruction
 from worker.remeshing.remeshing import remesh
@@ -32,7 +33,9 @@ def tracked_surfaces(
     warnings: list[str] = []
     if not options.tracked_meshes:
         return found, warnings
-    for structure in dict.fromkeys(s for fit in reconstruction.frames for s in fit.surfaces):
+    structures = list(dict.fromkeys(s for fit in reconstruction.frames for s in fit.surfaces))
+    for number, structure in enumerate(structures):
+        share = PartOfWhole(observer, number / len(structures), (number + 1) / len(structures))
         fits = [fit for fit in reconstruction.frames if structure in fit.surfaces]
         order = in_time([fit.time_ms for fit in fits])
         surfaces = [(fits[i].label, fits[i].surfaces[structure]) for i in order]
@@ -43,9 +46,9 @@ def tracked_surfaces(
             )
             continue
         largest = int(np.argmax([volume_ml(mesh) for _, mesh in surfaces]))
-        rest = _even(surfaces[largest][1], options, observer)
+        rest = _even(surfaces[largest][1], options, share)
         is_whole_cycle = options.sequence.whole_cycle
-        found[structure] = track(rest, surfaces, largest, observer, is_whole_cycle=is_whole_cycle)
+        found[structure] = track(rest, surfaces, largest, share, is_whole_cycle=is_whole_cycle)
     return found, warnings
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from schemas.frame_report import FailedFrameReport, FrameReport
+from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.problem import InternalError
 from schemas.surface_name import SurfaceName
@@ -22,11 +23,14 @@ def measured_frames(
 ) -> tuple[list[tuple[FrameReport, MeasuredFrame]], list[FailedFrameReport]]:
     """Those that could be measured, and those that failed before or here.
 
-    references: by surface (`ED_lv_endo`). Raises as `measured_frame` does where no frame is left.
+    references: by surface (`ED_lv_endo`). observer: told of each frame before it is measured.
+    Raises as `measured_frame` does where no frame is left.
     """
     measured, errors = [], []
     failed = [FailedFrameReport(label=f.label, reason=f.reason) for f in reconstruction.failed]
-    for fit in reconstruction.frames:
+    for index, fit in enumerate(reconstruction.frames):
+        done = index / len(reconstruction.frames)
+        observer.advanced(Progress(stage=Stage.MEASURING, frame=fit.label, fraction=done))
         try:
             measured.append(measured_frame(fit, options, _of(fit, references), observer))
         except InternalError as error:
