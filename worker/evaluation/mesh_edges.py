@@ -1,11 +1,11 @@
 """The edges of any triangulation, each once, and how often its triangles run along it."""
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from jaxtyping import Int
 
+from worker.evaluation.kept_by_mesh import KeptByMesh
 from worker.surface_mesh import SurfaceMesh
 
 Counts = Int[np.ndarray, " e"]
@@ -30,18 +30,13 @@ class MeshEdges:
     sides: Int[np.ndarray, " s"]
 
 
-_EDGES: WeakKeyDictionary[SurfaceMesh, MeshEdges] = WeakKeyDictionary()
-"""Of meshes still in use, which are frozen values: sorting takes most of the time of each question
-about a mesh's topology, and a report asks six of them.
-"""
+_EDGES: KeptByMesh[MeshEdges] = KeptByMesh()
+"""Sorting takes most of the time of a question about a mesh's topology, and a report asks six."""
 
 
 def mesh_edges(mesh: SurfaceMesh) -> MeshEdges:
     """The edges of a mesh, sorted by their ends."""
-    edges = _EDGES.get(mesh)
-    if edges is None:
-        edges = _EDGES[mesh] = _found(mesh)
-    return edges
+    return _EDGES.of(mesh, _found)
 
 
 def _found(mesh: SurfaceMesh) -> MeshEdges:
