@@ -40,18 +40,10 @@ from worker.stage_clock import StageClock
 from worker.surface_mesh import SurfaceMesh
 from worker.threads import use_threads
 from worker.tracked_meshes import tracked_surfaces
+from worker.work_shares import work_shares
 
-_RECONSTRUCTED = 0.9
-"""Fraction of the work that is done when the surfaces are there."""
-
-_TRACKED = 0.93
-"""And when they are tracked, where that is asked for."""
-
-_MEASURED = 0.97
-"""And when they are measured."""
-
-_MESHES_WRITTEN = 0.98
-"""And when their meshes are written. The rest is the report."""
+_MESHES = 0.3
+"""Of writing; the rest is the page."""
 
 
 @dataclass(frozen=True)
@@ -106,18 +98,25 @@ def run(
     clock = StageClock(observer or Unobserved())
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
+    shares = work_shares(study, options)
     with crew_of(processes if len(study.frames) > 1 else 1, threads) as crew:
         try:
-            reconstruction = _reconstruct(study, options, threads, clock, checkpoints, crew)
+            reconstruction = _reconstruct(
+                study,
+                options,
+                threads,
+                ProgressShare(clock, 0.0, shares.reconstructed),
+                checkpoints,
+                crew,
+            )
         except StoppedEarly as stopped:
             if not keeps_found():
                 raise
             reconstruction = stopped.found
         rest = Finishing(clock, keeps_found)
-        _enter(Stage.MEASURING, _RECONSTRUCTED, rest)
-        tracked, untracked = tracked_surfaces(
-            reconstruction, options, ProgressShare(rest, _RECONSTRUCTED, _TRACKED), crew
-        )
+        _enter(Stage.MEASURING, shares.reconstructed, rest)
+        tracking = ProgressShare(rest, shares.reconstructed, shares.tracked)
+        tracked, untracked = tracked_surfaces(reconstruction, options, tracking, crew)
         measured = measure(
             reconstruction,
             options=options,
@@ -125,11 +124,12 @@ def run(
             provenance=provenance(seed=options.seed, threads=threads, input_sha256=input_sha256),
             references=references,
             tracked=tracked,
-            observer=ProgressShare(rest, _TRACKED, _MEASURED),
+            observer=ProgressShare(rest, shares.tracked, shares.measured),
             crew=crew,
         )
-        _enter(Stage.WRITING, _MEASURED, rest)
-        report = _write(measured, out_dir, job_id, clock, rest, crew)
+        _enter(Stage.WRITING, shares.measured, rest)
+        writing = ProgressShare(rest, shares.measured, 1.0)
+        report = _write(measured, out_dir, job_id, clock, writing, crew)
     manifest = describe(
         out_dir,
         subject_id=study.subject_id,
@@ -153,8 +153,7 @@ def _reconstruct(
     # Loaded here, after the threads are bound, and never in a process that still forks.
     from worker.reconstruction.pipeline import reconstruct
 
-    share = ProgressShare(observer, 0.0, _RECONSTRUCTED)
-    return reconstruct(study, options, share, checkpoints, crew)
+    return reconstruct(study, options, observer, checkpoints, crew)
 
 
 def _write(
@@ -166,13 +165,12 @@ def _write(
     crew: Crew,
 ) -> Report:
     """Everything but the manifest. The report has the times up to where its own writing begins."""
-    meshes = ProgressShare(observer, _MEASURED, _MESHES_WRITTEN)
-    write_meshes(measured, out_dir, job_id, meshes, crew)
+    write_meshes(measured, out_dir, job_id, ProgressShare(observer, 0.0, _MESHES), crew)
     write_playback(measured, measured.report.options, out_dir, job_id)
     measured = timed(measured, clock.timings_s())
     text = measured.report.model_dump_json(indent=1) + "\n"
     (out_dir / "report.json").write_text(text, encoding="utf-8")
-    page = render_html(measured, ProgressShare(observer, _MESHES_WRITTEN, 1.0), crew)
+    page = render_html(measured, ProgressShare(observer, _MESHES, 1.0), crew)
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return measured.report
 

@@ -86,6 +86,10 @@ def test_a_study_becomes_files_that_the_manifest_lists(study: ContourStudy, tmp_
         Stage.WRITING,
         Stage.DONE,
     ]
+    labels = [one.label for one in finished.report.frames]
+    for stage in (Stage.MEASURING, Stage.WRITING):
+        told = [p.frame for p in watcher.seen if p.stage is stage and p.frame]
+        assert [*dict.fromkeys(told)] == labels, "frame by frame"
 
 
 def test_the_same_again_is_the_same_bytes(study: ContourStudy, tmp_path: Path) -> None:

@@ -21,8 +21,8 @@ from worker.evaluation.curvature_comparison import compare_curvature
 from worker.evaluation.distance import (
     PointDistances,
     distances_both_ways,
-    points_to_surface_mm,
     summarised_both_ways,
+    vertices_to_surface_mm,
 )
 from worker.evaluation.point_set_distance import PointSetDistance, point_set_distance
 from worker.evaluation.regions import Regions
@@ -76,7 +76,7 @@ def reference_report(
     _look(watcher)
     own_ml, reference_ml = closed_volume_ml(mesh), closed_volume_ml(reference)
     difference_percent = volume_difference_percent(own_ml, reference_ml)
-    distance_mm = points_to_surface_mm(mesh.vertices_mm, reference)
+    distance_mm = vertices_to_surface_mm(mesh, reference)
     _look(watcher)
     there, back = distances_both_ways(mesh, reference, options.samples, seed)
     exact = summarised_both_ways(there, back)

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from schemas.vocabulary import Structure
 from worker.arrays import SomeScalars, Vector
 from worker.evaluation.aha_segments import LeftVentricle, aha_segments
-from worker.evaluation.distance import points_to_surface_mm
+from worker.evaluation.distance import vertices_to_surface_mm
 from worker.evaluation.residuals import Residuals, all_distances_mm
 from worker.evaluation.spread import vertex_deviation_mm
 from worker.evaluation.support import distance_to_outlines_mm
@@ -46,14 +46,13 @@ def vertex_fields(
         fields["gaussian_curvature_per_mm2"] = curvature.gaussian_per_mm2
         fields["mean_curvature_per_mm"] = curvature.mean_per_mm
     if structure in _WALL and _WALL[structure] in fit.surfaces:
-        other = fit.surfaces[_WALL[structure]]
-        fields["thickness_mm"] = points_to_surface_mm(mesh.vertices_mm, other)
+        fields["thickness_mm"] = vertices_to_surface_mm(mesh, fit.surfaces[_WALL[structure]])
     if toward_base is not None:
         fields["third"] = thirds(mesh, toward_base).of(mesh.vertices_mm).astype(np.float64)
     if structure in _WALL and ventricle is not None:
         fields["aha_segment"] = aha_segments(mesh.vertices_mm, ventricle).astype(np.float64)
     if reference is not None:
-        fields["distance_mm"] = points_to_surface_mm(mesh.vertices_mm, reference)
+        fields["distance_mm"] = vertices_to_surface_mm(mesh, reference)
     members = [one[structure] for one in fit.members if structure in one]
     if members:
         fields["deviation_mm"] = vertex_deviation_mm(mesh, members)

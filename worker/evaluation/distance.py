@@ -1,7 +1,6 @@
 """How far two surfaces are apart: exact distances from points to triangles."""
 
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import igl
 import numpy as np
@@ -9,6 +8,7 @@ from jaxtyping import Int
 
 from schemas.problem import InternalError, ProblemType
 from worker.arrays import Points, Scalars
+from worker.evaluation.kept_by_mesh import KeptByMesh
 from worker.evaluation.surface_samples import area_uniform_samples_mm
 from worker.surface_mesh import SurfaceMesh
 
@@ -71,9 +71,12 @@ class _Tree:
         return distances, face.astype(np.int64), places
 
 
-_TREES: WeakKeyDictionary[SurfaceMesh, _Tree] = WeakKeyDictionary()
-"""Trees of meshes still in use: a report asks for the distance of every outline by itself, and the
-tree takes longer than the query. A mesh is a frozen value, so its tree stays right."""
+_TREES: KeptByMesh[_Tree] = KeptByMesh()
+"""A report asks for the distance of every outline by itself, and the tree takes longer than the
+query."""
+
+_BETWEEN: KeptByMesh[KeptByMesh[Scalars]] = KeptByMesh()
+"""From the vertices of one mesh to another: a wall's thickness is a field and a table."""
 
 
 def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
@@ -83,6 +86,20 @@ def points_to_surface_mm(points_mm: Points, mesh: SurfaceMesh) -> Scalars:
     """
     tree = _tree(mesh)
     return tree.nearest(points_mm)[0] if len(points_mm) else np.zeros(0)
+
+
+def vertices_to_surface_mm(mesh: SurfaceMesh, other: SurfaceMesh) -> Scalars:
+    """Exact distance from each vertex of `mesh` to the nearest triangle of `other`, (n,) mm. It is
+    kept for as long as both are in use: not to be written to. Raises InternalError when the other
+    has no faces.
+    """
+
+    def found(target: SurfaceMesh) -> Scalars:
+        distances_mm = points_to_surface_mm(mesh.vertices_mm, target)
+        distances_mm.flags.writeable = False
+        return distances_mm
+
+    return _BETWEEN.of(mesh, lambda _: KeptByMesh()).of(other, found)
 
 
 def nearest_on_surface(
@@ -100,10 +117,7 @@ def _tree(mesh: SurfaceMesh) -> _Tree:
         raise InternalError(
             ProblemType.NO_SURFACE, "The mesh has no triangles to measure a distance to."
         )
-    tree = _TREES.get(mesh)
-    if tree is None:
-        tree = _TREES[mesh] = _Tree(mesh)
-    return tree
+    return _TREES.of(mesh, _Tree)
 
 
 def surface_to_surface(

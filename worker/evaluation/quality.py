@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from worker.arrays import Scalars
+from worker.arrays import Points, Scalars
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -33,8 +33,9 @@ class TriangleQuality:
 
 def triangle_quality(mesh: SurfaceMesh) -> TriangleQuality:
     """Angles, aspect ratios and edge lengths of all triangles of a mesh that has some."""
-    edges = np.linalg.norm(mesh.triangles_mm - np.roll(mesh.triangles_mm, -1, axis=1), axis=2)
-    a, b, c = edges.T
+    first, second, third = (mesh.vertices_mm[mesh.faces[:, corner]] for corner in range(3))
+    a, b, c = _length(first - second), _length(second - third), _length(third - first)
+    edges = np.concatenate([a, b, c])
     angles = np.degrees(np.minimum(np.minimum(_angle(a, b, c), _angle(b, c, a)), _angle(c, a, b)))
     # R / 2r = abc / ((b + c - a)(c + a - b)(a + b - c))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -52,6 +53,11 @@ def triangle_quality(mesh: SurfaceMesh) -> TriangleQuality:
         edge_p5_mm=float(np.percentile(edges, 5.0)),
         edge_p95_mm=float(np.percentile(edges, 95.0)),
     )
+
+
+def _length(vectors: Points) -> Scalars:
+    lengths: Scalars = np.sqrt(np.einsum("md,md->m", vectors, vectors))
+    return lengths
 
 
 def _angle(opposite: Scalars, left: Scalars, right: Scalars) -> Scalars:

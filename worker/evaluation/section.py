@@ -38,7 +38,9 @@ def section_lines(mesh: SurfaceMesh, origin_mm: Vector, normal: Vector) -> list[
     """
     height = (mesh.vertices_mm - origin_mm) @ (normal / np.linalg.norm(normal))
     above = height >= 0.0
-    corners_above = above[mesh.faces].sum(axis=1)
+    # Column by column: numpy sums three numbers of a row ten times as slowly.
+    first, second, third = above.view(np.int8).take(mesh.faces).T
+    corners_above = first + second + third
     cut = mesh.faces[(corners_above == 1) | (corners_above == 2)]
     if not len(cut):
         return []

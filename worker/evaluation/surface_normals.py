@@ -11,11 +11,11 @@ def vertex_normals(mesh: SurfaceMesh) -> Points:
     """Unit normals at the vertices, (n, 3), outward for an outward mesh: the mean of the triangles
     about each, weighed by area. Zero at a vertex without a triangle that has area.
     """
-    corners = mesh.triangles_mm
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    sums = np.zeros((len(mesh.vertices_mm), 3))
-    np.add.at(sums, mesh.faces, np.repeat(across[:, None], 3, axis=1))
-    return unit(sums)
+    first, second, third = (mesh.vertices_mm[mesh.faces[:, corner]] for corner in range(3))
+    across = np.cross(second - first, third - first)
+    at, count = mesh.faces.ravel(), len(mesh.vertices_mm)
+    sums = [np.bincount(at, np.repeat(axis, 3), count) for axis in across.T]
+    return unit(np.stack(sums, axis=1))
 
 
 def normals_at(points_mm: Points, mesh: SurfaceMesh) -> Points:
@@ -30,5 +30,5 @@ def normals_at(points_mm: Points, mesh: SurfaceMesh) -> Points:
 
 def unit(vectors: Points) -> Points:
     """Vectors (n, 3) at length one; those of length zero stay."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    lengths = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))[:, None]
     return vectors / np.where(lengths > 0.0, lengths, 1.0)

@@ -18,6 +18,7 @@ All is reckoned from differences of nearby positions: surfaces may lie far from 
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -30,7 +31,6 @@ from worker.evaluation.box_pairs import (
     pairs_between,
     pairs_within,
 )
-from worker.evaluation.distance import points_to_surface_mm
 from worker.surface_mesh import SurfaceMesh
 
 TOUCHING_MM = 1e-6
@@ -58,36 +58,22 @@ def crossings(one: SurfaceMesh, other: SurfaceMesh) -> Pairs:
 
     Empty for surfaces that are apart, inside one another, or touch. Both in the same axes.
     """
-    if not len(one.faces) or not len(other.faces):
-        return np.zeros((0, 2), dtype=np.int64)
-    near = _within_reach(one, other)
-    triangles, others = one.triangles_mm[near], other.triangles_mm
-    pairs = _passing_through(triangles, others, pairs_between(triangles, others))
-    return np.column_stack([near[pairs[:, 0]], pairs[:, 1]])
-
-
-def _within_reach(one: SurfaceMesh, other: SurfaceMesh) -> Int[np.ndarray, " _"]:
-    """Faces of one that may meet the other: of such a face no corner is further from the other
-    surface than the longest edge is long, for somewhere in it that distance is zero.
-    """
-    triangles = one.triangles_mm
-    longest = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
-    away = points_to_surface_mm(one.vertices_mm, other)[one.faces].max(axis=1)
-    return np.flatnonzero(away <= longest + TOUCHING_MM)
+    triangles, others = one.triangles_mm, other.triangles_mm
+    return _passing_through(triangles, others, pairs_between(triangles, others))
 
 
 def _passing_through(
     one_mm: SomeTriangles, other_mm: SomeTriangles, candidates: Iterator[Pairs]
 ) -> Pairs:
     """Those of the candidate pairs that pass through each other, sorted."""
-    normals, other_normals = _normals(one_mm), _normals(other_mm)
+    normals = _normals(one_mm)
+    other_normals = normals if other_mm is one_mm else _normals(other_mm)
+    planes, other_planes = _by_axes(one_mm, normals), _by_axes(other_mm, other_normals)
     found = [np.zeros((0, 2), dtype=np.int64)]
     for pairs in candidates:
         # Nearly all neighbours on a smooth surface drop out at the first plane.
-        i, j = pairs.T
-        pairs = pairs[_straddles(_heights(other_mm[j], one_mm[i], normals[i]))]
-        i, j = pairs.T
-        pairs = pairs[_straddles(_heights(one_mm[i], other_mm[j], other_normals[j]))]
+        pairs = pairs[_straddle(other_planes, pairs[:, 1], planes, pairs[:, 0])]
+        pairs = pairs[_straddle(planes, pairs[:, 0], other_planes, pairs[:, 1])]
         i, j = pairs.T
         found.append(pairs[_insides_meet(one_mm[i], other_mm[j], normals[i], other_normals[j])])
     every = np.concatenate(found)
@@ -98,11 +84,46 @@ def _normals(triangles_mm: Triangles) -> Float[np.ndarray, "m 3"]:
     """Unit normal of each triangle; zero for one too thin to have an inside."""
     edges = triangles_mm - np.roll(triangles_mm, 1, axis=1)
     across = np.cross(edges[:, 0], edges[:, 1])
-    doubled_area = np.linalg.norm(across, axis=1, keepdims=True)
-    longest = np.linalg.norm(edges, axis=2).max(axis=1, keepdims=True)
+    doubled_area = np.sqrt(np.einsum("mx,mx->m", across, across))[:, None]
+    longest = np.sqrt(np.einsum("mcx,mcx->cm", edges, edges).max(axis=0))[:, None]
     # What rounding leaves of a thinner one's normal need not even stand on its edges.
     thick = doubled_area > TOUCHING_MM * longest
     return np.where(thick, across / np.where(thick, doubled_area, 1.0), 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class _ByAxes:
+    """Triangles, one number of all of them beside the other in memory, for many to be asked.
+
+    corners_mm: (3, 3, m), corner by axis. normals: (3, m), by axis.
+    """
+
+    corners_mm: Float[np.ndarray, "3 3 m"]
+    normals: Float[np.ndarray, "3 m"]
+
+
+def _by_axes(triangles_mm: SomeTriangles, normals: Float[np.ndarray, "_ 3"]) -> _ByAxes:
+    corners = np.ascontiguousarray(np.moveaxis(triangles_mm, 0, 2))
+    return _ByAxes(corners, np.ascontiguousarray(normals.T))
+
+
+def _straddle(
+    triangles: _ByAxes, i: Int[np.ndarray, " k"], planes: _ByAxes, j: Int[np.ndarray, " k"]
+) -> Flags:
+    """Whether triangles i reach to both sides of the planes of triangles j: more than touching."""
+    normals = [axis.take(j) for axis in planes.normals]
+    places_mm = [axis.take(j) for axis in planes.corners_mm[0]]
+    above, below = np.zeros((2, len(i)), dtype=bool)
+    for corner in triangles.corners_mm:
+        height_mm = np.zeros(len(i))
+        for axis, place_mm, normal in zip(corner, places_mm, normals, strict=True):
+            offset = axis.take(i)
+            offset -= place_mm
+            offset *= normal
+            height_mm += offset
+        above |= height_mm > TOUCHING_MM
+        below |= height_mm < -TOUCHING_MM
+    return above & below
 
 
 def _heights(
@@ -112,11 +133,6 @@ def _heights(
 ) -> Heights:
     """How far each corner lies above a plane through the first corner of another triangle, mm."""
     return np.einsum("kcx,kx->kc", corners_mm - plane_mm[:, :1], normals)
-
-
-def _straddles(heights_mm: Heights) -> Flags:
-    """Whether a triangle reaches to both sides of the plane, by more than touching."""
-    return (heights_mm.max(axis=1) > TOUCHING_MM) & (heights_mm.min(axis=1) < -TOUCHING_MM)
 
 
 def _insides_meet(

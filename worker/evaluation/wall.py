@@ -7,7 +7,7 @@ import numpy as np
 
 from worker.arrays import Scalars
 from worker.evaluation.aha_segments import APEX, NAMES, LeftVentricle, aha_segments
-from worker.evaluation.distance import points_to_surface_mm
+from worker.evaluation.distance import vertices_to_surface_mm
 from worker.surface_mesh import SurfaceMesh
 
 MYOCARDIUM_G_PER_ML = 1.05
@@ -32,7 +32,7 @@ def wall_thickness_mm(endo: SurfaceMesh, epi: SurfaceMesh) -> Scalars:
     """Thickness of the wall at each vertex of its inner surface: the exact distance to its outer
     one, (n,) mm. Where inner and outer surface are not parallel it is the shortest way through.
     """
-    return points_to_surface_mm(endo.vertices_mm, epi)
+    return vertices_to_surface_mm(endo, epi)
 
 
 def thickness_by_segment(
@@ -46,8 +46,8 @@ def thickness_by_segment(
     thickness_mm = wall_thickness_mm(endo, epi)
     segment_of = aha_segments(endo.vertices_mm, ventricle)
     parts = {number: thickness_mm[segment_of == number] for number in NAMES if number != APEX}
-    below = epi.vertices_mm[aha_segments(epi.vertices_mm, ventricle) == APEX]
-    parts[APEX] = points_to_surface_mm(below, endo)
+    below = aha_segments(epi.vertices_mm, ventricle) == APEX
+    parts[APEX] = vertices_to_surface_mm(epi, endo)[below]
     return {number: _summary(part) for number, part in parts.items() if len(part)}
 
 

@@ -166,9 +166,13 @@ def _triangulate(values: np.ndarray, lower: Vector, spacing: float) -> Triangles
     corners = np.ravel_multi_index(
         tuple(np.moveaxis(cells[:, None, :] + _CORNERS, 2, 0)), closed.shape
     )
-    nodes, hexahedra = np.unique(corners, return_inverse=True)
+    used = np.zeros(closed.size, dtype=bool)
+    used[corners] = True
+    nodes = np.flatnonzero(used)
+    numbers = np.zeros(closed.size, dtype=np.int64)
+    numbers[nodes] = np.arange(len(nodes))
     positions = lower + spacing * np.column_stack(np.unravel_index(nodes, closed.shape))
     vertices, faces, _ = igl.marching_cubes(
-        -closed.ravel()[nodes], positions, hexahedra.reshape(-1, 8).astype(np.int64), 0.0
+        -closed.ravel()[nodes], positions, numbers[corners], 0.0
     )
     return Triangles(vertices, faces.astype(np.int64))

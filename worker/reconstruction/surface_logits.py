@@ -30,11 +30,30 @@ class SurfaceLogits:
         )
         return logits
 
-    def of_one(self, class_logits: Tensor, surface: int) -> Tensor:
-        """(n, classes) to (n,) of one surface; unlike the whole, it can be differentiated twice."""
-        inside = self._inside[:, surface].bool()
-        within, without = class_logits[:, inside], class_logits[:, ~inside]
-        return torch.logsumexp(within, dim=1) - torch.logsumexp(without, dim=1)
+    def with_slope(self, class_logits: Tensor, surface: int) -> tuple[Tensor, Tensor]:
+        """Of one surface: (n, classes) to its logit (n,) and the derivatives (n, classes) of that
+        by the class logits.
+        """
+        shares = torch.softmax(class_logits, dim=1)
+        of_within, of_without, within, without = self._shares_of(shares, surface)
+        return (torch.log(within) - torch.log(without)).squeeze(1), of_within - of_without
+
+    def slope_along(self, class_logits: Tensor, directions: Tensor, surface: int) -> Tensor:
+        """How these derivatives change along directions (k, n, classes) of the class logits."""
+        shares = torch.softmax(class_logits, dim=1)
+        of_within, of_without, _, _ = self._shares_of(shares, surface)
+        inside = of_within * (directions - (of_within * directions).sum(-1, keepdim=True))
+        outside = of_without * (directions - (of_without * directions).sum(-1, keepdim=True))
+        return inside - outside
+
+    def _shares_of(self, shares: Tensor, surface: int) -> tuple[Tensor, Tensor, Tensor, Tensor]:
+        """Shares of the classes in what one surface encloses, and in the rest, (n, classes) each,
+        and how much both are of all, (n, 1) each.
+        """
+        within = (shares @ self._inside[:, surface, None]).clamp_min(_LEAST)
+        without = (shares @ self._outside[:, surface, None]).clamp_min(_LEAST)
+        of_within = shares * self._inside[:, surface] / within
+        return of_within, shares * self._outside[:, surface] / without, within, without
 
     def gradient(self, class_logits: Tensor, jacobian: Tensor) -> Tensor:
         """Gradients (3, n, surfaces) of the surface logits, by the chain rule.

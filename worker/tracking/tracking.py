@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from schemas.job import Progress, Stage
 from worker.observer import Cancelled, Observer, Unobserved
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.carrier import Carried, Carrier
@@ -29,7 +30,7 @@ def track(
         rest: Even triangles on the surface of frame `rest_frame`; closed, outward, mm.
         surfaces: Label and closed, outward surface of every frame, mm, in order of time.
         rest_frame: Index of the frame that `rest` is of, end-diastole as a rule.
-        observer: Asked at each frame whether to stop.
+        observer: Told of each frame, and asked whether to stop.
 
     At `rest_frame` the result is `rest` itself. Deterministic. Raises ValueError for a mesh that is
     not closed, InternalError for a surface without faces, Cancelled when asked to stop.
@@ -41,12 +42,16 @@ def track(
     frames = {}
     start = Carried(rest.vertices_mm, rest.vertices_mm)
     drift_mm: np.ndarray | None = None
-    for indices in _ways(rest_frame, count, is_whole_cycle=is_whole_cycle):
+    ways = _ways(rest_frame, count, is_whole_cycle=is_whole_cycle)
+    steps, done = sum(map(len, ways)), 0
+    for indices in ways:
         now = before = start
         for passed, index in enumerate(indices):
             if watcher.is_cancelled():
                 raise Cancelled
             label, mesh = surfaces[index]
+            watcher.advanced(Progress(stage=Stage.MEASURING, frame=label, fraction=done / steps))
+            done += 1
             surface = FrameSurface(mesh)
             if passed:
                 carried = carrier.carried(now, surface)

@@ -50,6 +50,27 @@ def test_boxes_of_all_sizes_over_several_blocks(monkeypatch, offset_mm):
     assert sorted_pairs(pairs_between(soup, soup)) == every_pair(soup, soup)
 
 
+@pytest.mark.parametrize("at_once", [0, 2**25])
+@pytest.mark.parametrize("offset_mm", [0.0, 700.0])
+def test_within_a_set_crowded_or_not(monkeypatch, offset_mm, at_once):
+    monkeypatch.setattr(box_pairs, "BLOCK", 7)
+    monkeypatch.setattr(box_pairs, "AT_ONCE", at_once)
+    random = np.random.default_rng(1)
+    sizes = 10.0 ** random.uniform(-3.0, 1.5, (200, 1, 1))
+    soup = random.uniform(0, 20, (200, 1, 3)) + sizes * random.normal(size=(200, 3, 3)) + offset_mm
+    expected = [(i, j) for i, j in every_pair(soup, soup) if i < j]
+    assert sorted_pairs(pairs_within(soup)) == expected
+
+
+def test_a_crowd_is_looked_up_in_blocks(monkeypatch):
+    monkeypatch.setattr(box_pairs, "BLOCK", 10)
+    monkeypatch.setattr(box_pairs, "AT_ONCE", 500)
+    alike = np.tile(np.eye(3), (65, 1, 1))
+    blocks = list(pairs_within(alike))
+    assert sum(map(len, blocks)) == 65 * 64 / 2
+    assert max(map(len, blocks)) <= 10 * 65
+
+
 def test_no_block_is_larger_than_promised(monkeypatch):
     monkeypatch.setattr(box_pairs, "BLOCK", 10)
     alike = np.tile(np.eye(3), (65, 1, 1))

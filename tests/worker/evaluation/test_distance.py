@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 
 from schemas.problem import InternalError
+from worker.evaluation import distance
 from worker.evaluation.distance import (
-    _TREES,
     distances_both_ways,
     points_to_surface_mm,
     summarised_both_ways,
     surface_to_surface,
+    vertices_to_surface_mm,
 )
+from worker.evaluation.kept_by_mesh import KeptByMesh
 from worker.surface_mesh import SurfaceMesh
 
 
@@ -93,13 +95,26 @@ def test_what_is_summarised_can_be_had_point_by_point(cube, sphere):
     np.testing.assert_allclose(back.distances_mm, points_to_surface_mm(back.points_mm, cube))
 
 
-def test_a_mesh_is_prepared_once_and_forgotten_with_it(spheres):
-    mesh = spheres(20.0)
-    before = len(_TREES)
+def test_a_mesh_is_prepared_once_and_forgotten_with_it(spheres, monkeypatch):
+    mesh, trees = spheres(20.0), KeptByMesh()
+    monkeypatch.setattr(distance, "_TREES", trees)
     far, near = np.array([[0.0, 0.0, 30.0]]), np.array([[0.0, 0.0, 25.0], [0.0, 0.0, 19.0]])
     np.testing.assert_allclose(points_to_surface_mm(far, mesh), [10.0], atol=0.01)
     np.testing.assert_allclose(points_to_surface_mm(near, mesh), [5.0, 1.0], atol=0.01)
-    assert len(_TREES) == before + 1
+    assert len(trees) == 1
     del mesh
     gc.collect()
-    assert len(_TREES) == before
+    assert len(trees) == 0
+
+
+def test_vertices_are_measured_once_for_as_long_as_both_meshes_are_in_use(spheres, monkeypatch):
+    inner, outer, between = spheres(20.0), spheres(22.0), KeptByMesh()
+    monkeypatch.setattr(distance, "_BETWEEN", between)
+    found = vertices_to_surface_mm(inner, outer)
+    np.testing.assert_array_equal(found, points_to_surface_mm(inner.vertices_mm, outer))
+    assert vertices_to_surface_mm(inner, outer) is found
+    assert vertices_to_surface_mm(outer, inner) is not found
+    assert len(between) == 2
+    del inner
+    gc.collect()
+    assert len(between) == 1

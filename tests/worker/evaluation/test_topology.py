@@ -1,4 +1,6 @@
 import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from worker.evaluation.topology import (
     boundary_loop_count,
@@ -103,3 +105,32 @@ def test_cubes_that_touch_in_a_vertex_or_an_edge_are_not_manifold(cube):
 
 def test_nothing_is_no_manifold(cube):
     assert not is_manifold(SurfaceMesh(cube.vertices_mm, cube.faces[:0]))
+
+
+soups = st.integers(1, 10).flatmap(
+    lambda count: st.lists(
+        st.lists(st.integers(0, 7), min_size=3, max_size=3, unique=True),
+        min_size=count,
+        max_size=count,
+    )
+)
+
+
+@settings(deadline=None, max_examples=300)
+@given(soups)
+def test_what_is_manifold_by_the_neighbours_of_every_vertex(soup):
+    """Slowly: about a vertex, its triangles' other sides must make one path or one ring."""
+    mesh = SurfaceMesh(np.zeros((8, 3)), np.array(soup, dtype=np.int64))
+    across = {v: [sorted(set(f) - {v}) for f in soup if v in f] for f in soup for v in f}
+    assert is_manifold(mesh) == all(map(is_path_or_ring, across.values()))
+
+
+def is_path_or_ring(sides) -> bool:
+    ends = [end for side in sides for end in side]
+    if max(map(ends.count, ends)) > 2:
+        return False
+    reached, last = {sides[0][0]}, 0
+    while last < len(reached):
+        last = len(reached)
+        reached |= {end for side in sides if reached & set(side) for end in side}
+    return reached == set(ends)

@@ -122,8 +122,18 @@ def test_extreme_logits_stay_finite_and_so_do_their_gradients(scale: float) -> N
 
 @pytest.mark.parametrize("surface", range(len(CLASSES.surfaces)))
 def test_one_alone_is_as_among_all(surface: int) -> None:
-    z = random_logits(200, 3.0, 5)
+    z = random_logits(200, 3.0, 5).requires_grad_()
     logits = SurfaceLogits(CLASSES)
-    torch.testing.assert_close(
-        logits.of_one(z, surface), logits(z)[:, surface], rtol=1e-4, atol=1e-5
-    )
+    logit, slope = logits.with_slope(z, surface)
+    torch.testing.assert_close(logit, logits(z)[:, surface], rtol=1e-4, atol=1e-5)
+    (expected,) = torch.autograd.grad(as_defined(z)[:, surface].sum(), z)
+    torch.testing.assert_close(slope, expected, rtol=1e-4, atol=1e-5)
+
+
+@pytest.mark.parametrize("surface", range(len(CLASSES.surfaces)))
+def test_the_slope_of_one_changes_as_its_differences_do(surface: int) -> None:
+    z, along = random_logits(200, 3.0, 5), random_logits(200, 1.0, 6)
+    logits, step = SurfaceLogits(CLASSES), 1e-2
+    ahead, behind = (logits.with_slope(z + s * along, surface)[1] for s in (step, -step))
+    (found,) = logits.slope_along(z, along[None], surface)
+    torch.testing.assert_close(found, (ahead - behind) / (2.0 * step), rtol=1e-2, atol=1e-3)

@@ -54,9 +54,7 @@ def render_html(
     weight = report.options.loss.hinge_weight
     reports = {frame.label: frame for frame in report.frames}
     parts = [
-        Part(
-            _drawn, (f"frame{number}", reports[frame.label], frame, report.axes, weight, triangles)
-        )
+        Part(_drawn, (f"frame{number}", reports[frame.label], frame, report.axes, weight, most))
         for number, frame in enumerate(measured.frames)
     ]
     frames: list[FramePage] = (crew or Alone()).all_of(parts, observer or Unobserved(), Unkept())
