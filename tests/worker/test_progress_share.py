@@ -1,5 +1,5 @@
 import pytest
-from worker.part_of_whole import PartOfWhole
+from worker.progress_share import ProgressShare
 
 from schemas.job import Progress, Stage
 from worker.observer import Unobserved
@@ -15,7 +15,7 @@ class Watcher(Unobserved):
 
 def test_a_part_of_a_part_runs_from_its_start_to_its_end() -> None:
     watcher = Watcher()
-    part = PartOfWhole(watcher, 0.2, 0.8).part(0.5, 1.0)
+    part = ProgressShare(watcher, 0.5, 0.8)
     for fraction in (0.0, 0.5, 1.0):
         part.advanced(Progress(stage=Stage.MEASURING, frame="ED", fraction=fraction))
     assert [one.fraction for one in watcher.seen] == pytest.approx([0.5, 0.65, 0.8])
