@@ -68,6 +68,13 @@ def test_a_part_that_was_not_measured_says_so(results: BeatingResults) -> None:
     assert "| attempts | 2 |" in text
 
 
+def test_a_short_run_is_called_one(results: BeatingResults) -> None:
+    text = page(results, {})
+    assert "A short run: 3 of 25 frames" in text
+    assert "A short run: 3 of 20 frames" in text
+    assert "\n\n\n" not in text
+
+
 def test_page_and_plots_are_made_anew_from_results(results: BeatingResults, tmp_path: Path) -> None:
     (tmp_path / "beating.json").write_text(results.model_dump_json())
     ended = run("--render", "--out", str(tmp_path))
