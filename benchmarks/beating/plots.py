@@ -7,6 +7,7 @@ import numpy as np
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from benchmarks.beating.results import BeatingResults, RealCycle, Series, SlicedCycle
 from benchmarks.plots.style import LOOKS, SETTINGS, Look, ruled
@@ -70,6 +71,7 @@ def _line(axes: Axes, values: Series | Sequence[float], look: Look, label: str) 
         markersize=4.0,
         label=label,
     )
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
 
 
 def _legend(figure: Figure, axes: Axes) -> None:
