@@ -5,6 +5,7 @@
 #   make check     static checks, known vulnerabilities, every test; CI runs it without the second
 #   make audit     known vulnerabilities of what constraints.txt pins; says so where nobody can be asked
 #   make bench     accuracy and speed beside classical methods, into docs/benchmarks.md; half an hour
+#   make bench-beating  hearts over a whole cycle, into docs/benchmarks/beating.md; twenty minutes
 #   make openapi   write openapi.yaml anew from the code
 #   make clean     remove .venv, caches and ./demo
 #
@@ -21,7 +22,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 12))
 PYTHON ?= $(shell for p in python3 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && echo $$p && break; done)
 
-.PHONY: demo test bench lint audit check openapi install clean
+.PHONY: demo test bench bench-beating lint audit check openapi install clean
 .DELETE_ON_ERROR:
 
 demo: install
@@ -35,6 +36,11 @@ bench: install
 	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
 	$(BIN)/python -m benchmarks.holdout $(if $(CASES),--cases '$(CASES)')
 	$(BIN)/python -m benchmarks $(if $(CASES),--cases '$(CASES)')
+
+# DATA=DIR has bivme_guide_points/; ONLY=PART measures one part: patient1, sliced, phantom, killed
+bench-beating: install
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable '.[bench]'
+	$(BIN)/python -m benchmarks.beating $(if $(DATA),--data '$(DATA)') $(if $(ONLY),--only '$(ONLY)')
 
 lint: install
 	$(BIN)/ruff format --check .

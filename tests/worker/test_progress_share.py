@@ -1,8 +1,8 @@
 import pytest
-from worker.progress_share import ProgressShare
 
 from schemas.job import Progress, Stage
 from worker.observer import Unobserved
+from worker.progress_share import ProgressShare
 
 
 class Watcher(Unobserved):

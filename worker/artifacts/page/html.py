@@ -83,7 +83,7 @@ def _drawn(
 ) -> FramePage:
     if observer.is_cancelled():
         raise Cancelled
-    observer.advanced(Progress(stage=Stage.WRITING, frame=frame.label))
+    observer.advanced(Progress(stage=Stage.WRITING))
     return FramePage(
         id=id_,
         report=frame_report,

@@ -1,0 +1,1 @@
+"""What a whole beating heart costs, and how close it comes: real, sliced, analytic, interrupted."""

@@ -1,0 +1,1 @@
+"""Tables of the page of beating hearts, a file a part."""
