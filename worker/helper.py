@@ -13,6 +13,7 @@ from typing import Any
 
 from schemas.job import Progress
 from worker.crew import Part
+from worker.own_pipe import receive, send
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class Helper:
     def heard(self, wait_s: float = 0.0) -> Message | None:
         """What it said, if within `wait_s` it has said something. Raises HelperLost."""
         try:
-            message: Message | None = self._pipe.recv() if self._pipe.poll(wait_s) else None
+            message: Message | None = receive(self._pipe) if self._pipe.poll(wait_s) else None
         except (EOFError, OSError) as error:
             raise HelperLost(f"process {self.pid} has ended") from error
         return message
@@ -124,6 +125,6 @@ class Helper:
 
     def _send(self, what: Part | Held | Stop) -> None:
         try:
-            self._pipe.send(what)
+            send(self._pipe, what)
         except OSError as error:
             raise HelperLost(f"process {self.pid} has ended") from error

@@ -7,6 +7,7 @@ from multiprocessing.connection import Connection
 
 from schemas.job import Progress
 from worker.helper import Advanced, Done, Failed, Held, Load, Save, Stop
+from worker.own_pipe import receive, send
 from worker.parent_death import die_with_parent
 from worker.threads import bind_libraries, use_threads
 
@@ -24,7 +25,7 @@ def main(pipe: int, parent: int, threads: int) -> None:
     with Connection(pipe) as connection:
         while True:
             try:
-                part = connection.recv()
+                part = receive(connection)
             except EOFError:
                 return
             if isinstance(part, Stop):
@@ -35,9 +36,9 @@ def main(pipe: int, parent: int, threads: int) -> None:
                 result = part.done(parent_s, parent_s)
             except Exception as error:  # noqa: BLE001  the parent raises it
                 error.add_note(traceback.format_exc())
-                connection.send(Failed(error))
+                send(connection, Failed(error))
             else:
-                connection.send(Done(result))
+                send(connection, Done(result))
 
 
 class _Parent:
@@ -52,21 +53,21 @@ class _Parent:
         now_s = time.monotonic()
         if now_s >= self._tell_at_s or progress.is_taken_up:
             self._tell_at_s = now_s + _TELL_EVERY_S
-            self._connection.send(Advanced(progress))
+            send(self._connection, Advanced(progress))
 
     def is_cancelled(self) -> bool:
         while self._connection.poll():
-            self._heed(self._connection.recv())
+            self._heed(receive(self._connection))
         return self._is_stopped
 
     def load(self, key: str) -> bytes | None:
-        self._connection.send(Load(key))
-        while not isinstance(answer := self._connection.recv(), Held):
+        send(self._connection, Load(key))
+        while not isinstance(answer := receive(self._connection), Held):
             self._heed(answer)
         return answer.content
 
     def save(self, key: str, content: bytes) -> None:
-        self._connection.send(Save(key, content))
+        send(self._connection, Save(key, content))
 
     def _heed(self, _: Stop) -> None:
         self._is_stopped = True

@@ -44,7 +44,7 @@ class RealRun:
 
 
 def real_run(request: ContourRequest, processes: int) -> RealRun:
-    """In a fresh process and its helpers, of one thread each. Raises CalledProcessError where it fails."""
+    """In a fresh process and its helpers, one thread each. CalledProcessError where it fails."""
     bind_libraries(1)
     with TemporaryDirectory(prefix="beating-") as name:
         folder = Path(name)

@@ -207,7 +207,7 @@ def test_progress_goes_through_the_frames_and_never_back(beating, small: Options
 
 @pytest.mark.parametrize("chosen", [{}, {"warm_start": False}])
 def test_whoever_fits_a_frame_its_surfaces_are_the_same_bytes(
-    beating, small: Options, chosen: dict[str, bool]
+    beating, small: Options, chosen: dict[str, bool], caplog: pytest.LogCaptureFixture
 ) -> None:
     study, options = beating(displacements={3: (2.0, 1.0)}), with_sequence(small, **chosen)
     kept = Kept()
@@ -215,6 +215,7 @@ def test_whoever_fits_a_frame_its_surfaces_are_the_same_bytes(
     with crew_of(2, torch.get_num_threads()) as crew:
         helped = reconstruct(study, options, None, kept, crew)
     assert {f"frame-{label}-fit" for label in RADII_MM} <= kept.held.keys()
+    assert not caplog.records, "no helper was lost"
     for one, other in zip(alone.frames, helped.frames, strict=True):
         assert one.started_from == other.started_from
         for structure, mesh in one.surfaces.items():
