@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float
 from schemas.vocabulary import View
 from worker.arrays import Flags, PlanePoint, PlanePoints, Scalars, Vector
 from worker.reconstruction.shift_evidence import ShiftEvidence, prior_precision, shift_deviations
-from worker.reconstruction.shift_variance import SliceOffsets, joined_offsets, shift_variance
+from worker.reconstruction.shift_variance import SliceOffsets, shift_variance
 from worker.reconstruction.unit_stack import UnitOutline, UnitSlice, UnitStack
 
 _ROUNDS = 20
@@ -32,6 +32,9 @@ moves: odds of four hundred to one."""
 
 _SETTLED = 2.0
 """In outline noises: shifts known as well as this are not learned, which would only shake them."""
+
+_FAR = 1e6
+"""Unit lengths: where no point is."""
 
 _TANGENT_EDGES = 3
 """Edges either way over which the direction of an outline is taken."""
@@ -167,35 +170,39 @@ def _passes(
 
 
 def solved_shift(
-    found: Sequence[Crossings], prior: Float[np.ndarray, "3 3"], noise: float, weight: float = 1.0
+    found: Sequence[Crossings],
+    prior: Float[np.ndarray, "3 3"],
+    noise: float,
+    weight: float = 1.0,
 ) -> ShiftSolution:
     """The most probable motion: the slice's outlines, moved back by it, meet the crossings."""
     motion, precision = np.zeros(3), prior
-    residuals, offsets = [np.empty(0)], [SliceOffsets(np.empty((0, 2)), np.empty(0), np.empty(0))]
-    for _ in range(_ROUNDS if found else 0):
-        precision, pull = prior, -prior @ motion
-        residuals, offsets = [], []
-        for one in found:
-            turn = _turn_by(motion[2])
-            drawn = (one.points + motion[:2]) @ turn.T
-            away, normals, drawn_there = _offsets(drawn, one)
-            doubt = np.maximum(1.0, np.abs(away) / (_OUTLIER * noise))
-            weights = weight * drawn_there * one.steepness**2 / (noise**2 * doubt)
-            by_turn = normals[:, 1] * drawn[:, 0] - normals[:, 0] * drawn[:, 1]
-            slopes = np.column_stack([normals @ turn, by_turn])
-            precision = precision + np.einsum("n,ni,nj->ij", weights, slopes, slopes)
-            pull = pull + np.einsum("n,ni,n->i", weights, slopes, away)
-            residuals.append((one.steepness * away)[drawn_there])
-            before = away + slopes[:, :2] @ motion[:2]
-            steady = (one.steepness / doubt) ** 2
-            offsets.append(
-                SliceOffsets(slopes[drawn_there, :2], before[drawn_there], steady[drawn_there])
-            )
-        step = np.linalg.solve(precision, pull)
+    if not found:
+        nothing = SliceOffsets(np.empty((0, 2)), np.empty(0), np.empty(0))
+        return ShiftSolution(motion, precision, np.empty(0), nothing)
+    every = _joined(found)
+    for _ in range(_ROUNDS):
+        turn = _turn_by(motion[2])
+        drawn = (every.points + motion[:2]) @ turn.T
+        away, normals, drawn_there = _offsets(drawn, every)
+        doubt = np.maximum(1.0, np.abs(away) / (_OUTLIER * noise))
+        weights = weight * drawn_there * every.steepness**2 / (noise**2 * doubt)
+        by_turn = normals[:, 1] * drawn[:, 0] - normals[:, 0] * drawn[:, 1]
+        slopes = np.column_stack([normals @ turn, by_turn])
+        weighed = weights[:, None] * slopes
+        precision = prior + weighed.T @ slopes
+        step = np.linalg.solve(precision, away @ weighed - prior @ motion)
+        before = away + slopes[:, :2] @ motion[:2]
         motion = motion + step
         if np.abs(step).max() < _STILL:
             break
-    return ShiftSolution(motion, precision, np.concatenate(residuals), joined_offsets(offsets))
+    steady = (every.steepness / doubt) ** 2
+    return ShiftSolution(
+        motion,
+        precision,
+        (every.steepness * away)[drawn_there],
+        SliceOffsets(slopes[drawn_there, :2], before[drawn_there], steady[drawn_there]),
+    )
 
 
 def _turn_by(angle: float) -> Float[np.ndarray, "2 2"]:
@@ -222,23 +229,55 @@ def misses(one: Crossings, shift: PlanePoint) -> Scalars:
     """What each point misses the outline by, across its own, once the slice is moved back by
     `shift`; NaN where the outline was not drawn.
     """
-    away, _, drawn_there = _offsets(one.points + shift, one)
+    away, _, drawn_there = _offsets(one.points + shift, _joined([one]))
     return np.where(drawn_there, one.steepness * away, np.nan)
 
 
-def _offsets(points: PlanePoints, one: Crossings) -> tuple[Scalars, PlanePoints, Flags]:
+@dataclass(frozen=True, eq=False)
+class _Joined:
+    """Points of many crossings, and beside each the edges that it may lie on, as many for each:
+    those that fill up are far from everything.
+    """
+
+    points: PlanePoints
+    steepness: Scalars
+    starts: Float[np.ndarray, "n edges 2"]
+    edges: Float[np.ndarray, "n edges 2"]
+    squares: Float[np.ndarray, "n edges"]
+    loose: Bool[np.ndarray, "n edges 2"]
+
+
+def _joined(found: Sequence[Crossings]) -> _Joined:
+    most = max(len(one.starts) for one in found)
+
+    def filled(rows: np.ndarray, value: float = 0.0) -> np.ndarray:
+        missing = most - len(rows)
+        return np.pad(rows, ((0, missing), (0, 0)), constant_values=value) if missing else rows
+
+    owner = np.repeat(np.arange(len(found)), [len(one.points) for one in found])
+    edges = np.stack([filled(one.ends - one.starts) for one in found])
+    return _Joined(
+        points=np.concatenate([one.points for one in found]),
+        steepness=np.concatenate([one.steepness for one in found]),
+        starts=np.stack([filled(one.starts, _FAR) for one in found])[owner],
+        edges=edges[owner],
+        squares=np.maximum((edges**2).sum(axis=2), 1e-30)[owner],
+        loose=np.stack([filled(one.loose) for one in found])[owner],
+    )
+
+
+def _offsets(points: PlanePoints, among: _Joined) -> tuple[Scalars, PlanePoints, Flags]:
     """Signed distances of points to the nearest edge along that edge's normal, and the normals.
 
     Last, whether the outline was drawn there: beyond the free end of an open one it says nothing.
     """
-    edges = one.ends - one.starts
-    squares = np.maximum((edges**2).sum(axis=1), 1e-30)
-    t = np.clip(((points[:, None] - one.starts) * edges).sum(axis=2) / squares, 0.0, 1.0)
-    to_edge = one.starts + t[..., None] * edges - points[:, None]
-    nearest = (to_edge**2).sum(axis=2).argmin(axis=1)
-    each = np.arange(len(points))
-    along = edges[nearest] / np.sqrt(squares[nearest])[:, None]
+    x, y = (points[:, k, None] - among.starts[..., k] for k in (0, 1))
+    along_x, along_y = among.edges[..., 0], among.edges[..., 1]
+    t = np.clip((x * along_x + y * along_y) / among.squares, 0.0, 1.0)
+    x, y = t * along_x - x, t * along_y - y
+    nearest = np.arange(len(points)), (x**2 + y**2).argmin(axis=1)
+    along = among.edges[nearest] / np.sqrt(among.squares[nearest])[:, None]
     normals = np.column_stack([along[:, 1], -along[:, 0]])
-    loose = one.loose[nearest]
-    beyond = loose[:, 0] & (t[each, nearest] <= 0.0) | loose[:, 1] & (t[each, nearest] >= 1.0)
-    return (to_edge[each, nearest] * normals).sum(axis=1), normals, ~beyond
+    loose = among.loose[nearest]
+    beyond = loose[:, 0] & (t[nearest] <= 0.0) | loose[:, 1] & (t[nearest] >= 1.0)
+    return x[nearest] * normals[:, 0] + y[nearest] * normals[:, 1], normals, ~beyond

@@ -2,10 +2,10 @@
 
 from typing import Any
 
-import torch
 from torch import Tensor
 
 from schemas.options import OptimizerMethod, Options
+from worker.reconstruction.adam import Adam
 from worker.reconstruction.alignment import SliceShifts
 from worker.reconstruction.muon import Muon
 from worker.reconstruction.network import TissueField
@@ -24,17 +24,14 @@ class Descent:
             self._muon = Muon(field.hidden)
         else:
             others.append(field.hidden)
-        self._groups = torch.optim.Adam(
-            [{"params": others}, {"params": list(shifts.parameters())}], lr=self._rate, foreach=True
-        )
+        self._adam = Adam(others)
+        self._shift_adam = Adam(list(shifts.parameters()))
 
     def step(self, loss: Tensor, decay: float) -> None:
         """Move all parameters against the gradient of `loss`, rates times `decay`."""
         loss.backward()
-        network, shifts = self._groups.param_groups
-        network["lr"], shifts["lr"] = decay * self._rate, decay * self._shift_rate
-        self._groups.step()
-        self._groups.zero_grad(set_to_none=True)
+        self._adam.step(decay * self._rate)
+        self._shift_adam.step(decay * self._shift_rate)
         if self._muon is not None:
             self._muon.step(decay * self._rate)
         self._shifts.restrain()
@@ -42,10 +39,11 @@ class Descent:
     def state(self) -> dict[str, Any]:
         """What steps have left behind: all that `put_back` needs to go on as if never stopped."""
         muon = None if self._muon is None else self._muon.momentum
-        return {"adam": self._groups.state_dict(), "muon": muon}
+        return {"adam": self._adam.state(), "shifts": self._shift_adam.state(), "muon": muon}
 
     def put_back(self, state: dict[str, Any]) -> None:
         """Go on from a state of the same method and shapes."""
-        self._groups.load_state_dict(state["adam"])
+        self._adam.put_back(state["adam"])
+        self._shift_adam.put_back(state["shifts"])
         if self._muon is not None:
             self._muon.momentum.copy_(state["muon"])

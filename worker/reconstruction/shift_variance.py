@@ -27,15 +27,6 @@ class SliceOffsets:
     weights: Scalars
 
 
-def joined_offsets(parts: Sequence[SliceOffsets]) -> SliceOffsets:
-    """All crossings of `parts`, in order."""
-    return SliceOffsets(
-        np.concatenate([p.normals for p in parts]),
-        np.concatenate([p.offsets for p in parts]),
-        np.concatenate([p.weights for p in parts]),
-    )
-
-
 @dataclass(frozen=True)
 class ShiftVariance:
     """Standard deviations, and how much likelier (nats) they are than slices all in place."""

@@ -8,7 +8,6 @@ import pytest
 from worker.reconstruction.shift_variance import (
     ShiftVariance,
     SliceOffsets,
-    joined_offsets,
     shift_variance,
 )
 
@@ -51,7 +50,12 @@ def test_an_unsteady_hand_alone_is_no_evidence_of_displacement(seed: int) -> Non
 def test_crossings_of_one_slice_are_one_shift() -> None:
     """The same offsets, once in common to each slice and once shuffled among all slices."""
     slices = [replace(one, weights=np.ones(8)) for one in crossed(1.0, 0.1)]
-    everything = joined_offsets(slices)
+    everything = SliceOffsets(
+        *(
+            np.concatenate([getattr(one, name) for one in slices])
+            for name in ("normals", "offsets", "weights")
+        )
+    )
     order = np.random.default_rng(1).permutation(len(everything.offsets))
     parts = np.array_split(order, len(slices))
     shuffled = [
