@@ -91,8 +91,8 @@ class _Round:
                 raise self._error
             if self._observer.is_cancelled():
                 self._stop_helpers()
-            if self._waiting:
-                self._do(self._waiting.popleft())
+            if (index := self._next()) is not None:
+                self._do(index)
         return [self._results[index] for index in range(len(self._parts))]
 
     def advanced(self, progress: Progress) -> None:
@@ -118,8 +118,8 @@ class _Round:
 
     def _serve(self, wait_s: float = 0.0) -> None:
         """Hand out parts and hear what helpers say, waiting for a word if all parts are out."""
-        while self._idle and self._waiting and self._stopped_at_s is None:
-            self._try_to_give(self._idle.pop(), self._waiting.popleft())
+        while self._idle and (taken := self._take()) is not None:
+            self._try_to_give(self._idle.pop(), *taken)
         for helper in list(self.busy):
             try:
                 while helper in self.busy:
@@ -142,10 +142,24 @@ class _Round:
         elif now_s > self._stopped_at_s + _STOPS_WITHIN_S:
             raise Cancelled
 
-    def _try_to_give(self, helper: Helper, index: int) -> None:
+    def _next(self) -> int | None:
+        """Of the parts that wait. Helpers take them too, at any time."""
+        try:
+            return self._waiting.popleft()
+        except IndexError:
+            return None
+
+    def _take(self) -> tuple[int, Part] | None:
+        """For a helper, in its thread."""
+        if self._stopped_at_s is not None or self._error is not None:
+            return None
+        index = self._next()
+        return None if index is None else (index, self._parts[index])
+
+    def _try_to_give(self, helper: Helper, index: int, part: Part) -> None:
         self.busy[helper] = index
         try:
-            helper.give(self._parts[index])
+            helper.give(part, self._take)
         except HelperLost as lost:
             self._lose(helper, lost)
 
@@ -165,10 +179,13 @@ class _Round:
                     helper.answer(self._checkpoints.load(key))
                 case Save(key, content):
                     self._checkpoints.save(key, content)
-                case Done(result):
+                case Done(result, then):
                     self._results[index] = result
                     self._fractions[index] = 1.0
-                    self._idle.append(self._freed(helper))
+                    if then is None:
+                        self._idle.append(self._freed(helper))
+                    else:
+                        self.busy[helper] = then
                 case Failed(error):
                     self._freed(helper)
                     self._error = self._error or error

@@ -7,8 +7,11 @@ between the two is pickled, over a pipe that nobody else has.
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing import Pipe
+from queue import Empty, SimpleQueue
+from threading import Lock, Thread
 from typing import Any
 
 from schemas.job import Progress
@@ -40,9 +43,10 @@ class Save:
 
 @dataclass(frozen=True, eq=False)
 class Done:
-    """The part's result."""
+    """The part's result. then: the place of the part that it was given at once after it."""
 
     result: Any
+    then: int | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +72,20 @@ Message = Advanced | Load | Save | Done | Failed
 """What a helper says. It speaks of the part that it was given last."""
 
 
+Take = Callable[[], tuple[int, Part] | None]
+"""The next part, and its place among all; None where there is none. Called in another thread."""
+
+
 class HelperLost(Exception):  # noqa: N818 - what happened, not "Error"
     """The helper has ended: killed, out of memory. Its part is to be done again."""
 
 
 class Helper:
-    """Does one part at a time. Starts at once, ends with this process, however that ends."""
+    """Does one part at a time. Starts at once, ends with this process, however that ends.
+
+    A thread takes what it says from the pipe, and gives it the next part: it never waits until this
+    process has a moment for it.
+    """
 
     def __init__(self, threads: int) -> None:
         """threads: of its arithmetic."""
@@ -92,13 +104,19 @@ class Helper:
             )
         finally:
             theirs.close()
+        self._said: SimpleQueue[Message | None] = SimpleQueue()
+        self._take: Take = _nothing
+        self._sending = Lock()
+        self._listener = Thread(target=self._listen, daemon=True)
+        self._listener.start()
 
     @property
     def pid(self) -> int:
         return self._process.pid
 
-    def give(self, part: Part) -> None:
-        """Have it do a part. Raises HelperLost."""
+    def give(self, part: Part, take: Take) -> None:
+        """Have it do a part, and afterwards what it takes. Raises HelperLost."""
+        self._take = take
         self._send(part)
 
     def answer(self, content: bytes | None) -> None:
@@ -112,19 +130,43 @@ class Helper:
     def heard(self, wait_s: float = 0.0) -> Message | None:
         """What it said, if within `wait_s` it has said something. Raises HelperLost."""
         try:
-            message: Message | None = receive(self._pipe) if self._pipe.poll(wait_s) else None
-        except (EOFError, OSError) as error:
-            raise HelperLost(f"process {self.pid} has ended") from error
+            message = self._said.get(wait_s > 0.0, wait_s or None)
+        except Empty:
+            return None
+        if message is None:
+            raise HelperLost(f"process {self.pid} has ended")
         return message
 
     def end(self) -> None:
         """End it, whatever it does."""
         self._process.kill()
         self._process.wait()
+        self._listener.join()
         self._pipe.close()
+
+    def _listen(self) -> None:
+        try:
+            while True:
+                message = receive(self._pipe)
+                taken = self._take() if isinstance(message, Done) else None
+                if taken is None:
+                    self._said.put(message)
+                else:
+                    index, part = taken
+                    self._said.put(Done(message.result, index))
+                    self._send(part)
+        except (EOFError, OSError, HelperLost):
+            self._said.put(None)
+        except Exception as error:  # noqa: BLE001  raised where it is heard of
+            self._said.put(Failed(error))
 
     def _send(self, what: Part | Held | Stop) -> None:
         try:
-            send(self._pipe, what)
+            with self._sending:
+                send(self._pipe, what)
         except OSError as error:
             raise HelperLost(f"process {self.pid} has ended") from error
+
+
+def _nothing() -> tuple[int, Part] | None:
+    return None

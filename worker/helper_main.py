@@ -14,13 +14,14 @@ from worker.threads import bind_libraries, use_threads
 _TELL_EVERY_S = 0.2
 
 
-def main(pipe: int, parent: int, threads: int) -> None:
+def main(pipe: int, parent_pid: int, threads: int) -> None:
     """Do parts until the parent closes the pipe."""
-    die_with_parent(parent)
+    die_with_parent(parent_pid)
     bind_libraries(threads)
     use_threads(threads)
     # While the parent is busy: by the time that there is a part to do, all is loaded.
-    import worker.reconstruction.pipeline  # noqa: F401
+    import worker.reconstruction.pipeline
+    import worker.subject  # noqa: F401
 
     with Connection(pipe) as connection:
         while True:
@@ -31,9 +32,9 @@ def main(pipe: int, parent: int, threads: int) -> None:
             if isinstance(part, Stop):
                 # Of the part before, which was done already.
                 continue
-            parent_s = _Parent(connection)
+            parent = _Parent(connection)
             try:
-                result = part.done(parent_s, parent_s)
+                result = part.done(parent, parent)
             except Exception as error:  # noqa: BLE001  the parent raises it
                 error.add_note(traceback.format_exc())
                 send(connection, Failed(error))

@@ -29,7 +29,7 @@ from worker.reconstruction.stacking import build_stack
 from worker.reconstruction.tissues import partition
 from worker.reconstruction.workload import check_workload
 
-_NOT_BEGUN = "It was not fitted: the job was cancelled before. For all frames, send it again."
+_NOT_BEGUN = "It was not finished when the job was cancelled. For all frames, restart the job."
 
 
 def reconstruct(
@@ -89,6 +89,7 @@ def reconstruct(
         tuple(fits[index] for index in sorted(fits)),
         tuple(FailedFrame(stacks[index].label, reasons[index]) for index in sorted(reasons)),
         sequence.warnings(),
+        stopped_early=results.is_stopped,
     )
     if results.is_stopped:
         raise StoppedEarly(found)

@@ -112,6 +112,7 @@ class Reconstruction:
     """All frames of a subject, in mm and the study's own axes.
 
     failed: frames that are not among `frames`. warnings: what was noticed over all frames.
+    stopped_early: whether frames are missing because the observer asked to stop.
 
     Times are not here: whoever watches takes them from the stages that the observer is told of.
     """
@@ -121,6 +122,7 @@ class Reconstruction:
     frames: tuple[FrameFit, ...]
     failed: tuple[FailedFrame, ...] = ()
     warnings: tuple[str, ...] = ()
+    stopped_early: bool = False
 
 
 class StoppedEarly(Cancelled):
