@@ -7,13 +7,9 @@ from importlib.metadata import version
 from pathlib import Path
 
 from benchmarks.results import Environment
+from worker.cores import usable_cores
 
 _LIBRARIES = ("neuralmri", "libigl", "numpy", "scikit-image", "scipy", "torch")
-
-
-def cores() -> int:
-    """How many cores this process may use."""
-    return len(os.sched_getaffinity(0))
 
 
 def environment() -> Environment:
@@ -22,7 +18,7 @@ def environment() -> Environment:
     memory = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2**30
     return Environment(
         cpu=model[1] if model else platform.machine(),
-        cores=cores(),
+        cores=usable_cores(),
         threads=1,
         memory_gib=round(memory, 1),
         load=round(os.getloadavg()[0], 2),

@@ -18,11 +18,11 @@ from typing import Any
 import torch
 from torch.utils._python_dispatch import TorchDispatchMode
 
-from benchmarks.environment import cores
 from benchmarks.results import Pair, Speed
 from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.study import ContourStudy
+from worker.cores import usable_cores
 from worker.observer import Cancelled
 from worker.phantom import standard_study
 from worker.reconstruction.pipeline import reconstruct
@@ -131,7 +131,7 @@ def speed() -> Speed:
         with torch.inference_mode():
             pairs.append(Pair(fit_s=own_s, products_s=products_s(shapes)))
         print(f"speed | fit beside its products | {pairs[-1]}", file=sys.stderr, flush=True)
-    workers, spawn = cores(), get_context("spawn")
+    workers, spawn = usable_cores(), get_context("spawn")
     alone, together = [], []
     with (
         ProcessPoolExecutor(1, spawn) as one,

@@ -1,6 +1,5 @@
 """`neuralmri reconstruct`: the whole pipeline in this process, no server."""
 
-import os
 import shutil
 import tempfile
 from pathlib import Path
@@ -21,7 +20,11 @@ from cli.inputs import read_input
 from cli.label_arguments import LabelArguments, takes_label_maps
 from cli.progress import progress_bar
 from cli.summary import print_summary
+from worker.cores import usable_cores
 from worker.threads import bind_libraries
+
+_MOST_BY_DEFAULT = 4
+"""Processes: each takes memory of its own, and fits use two."""
 
 
 @takes_label_maps()
@@ -39,7 +42,7 @@ def reconstruct(
         typer.Option(
             min=1,
             envvar="NEURALMRI_PROCESSES",
-            help="Frames worked on at a time.  [default: one per core]",
+            help="Frames worked on at a time.  [default: one per core, 4 at most]",
         ),
     ] = None,
     reference: References = None,
@@ -70,7 +73,7 @@ def reconstruct(
                 reading.options,
                 staging,
                 threads=threads,
-                processes=processes or max(1, (os.cpu_count() or 1) // threads),
+                processes=processes or max(1, min(_MOST_BY_DEFAULT, usable_cores() // threads)),
                 input_sha256=reading.input_sha256,
                 warnings=reading.warnings,
                 references=reading.references,

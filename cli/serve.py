@@ -1,6 +1,5 @@
 """`neuralmri serve`: the whole service on this machine."""
 
-import os
 import time
 from pathlib import Path
 from typing import Annotated
@@ -8,6 +7,7 @@ from typing import Annotated
 import typer
 
 from cli.console import say
+from worker.cores import usable_cores
 
 _LOOK_EVERY_S = 0.5
 
@@ -46,7 +46,7 @@ def serve(
         host=host,
         port=port,
         data_dir=data_dir,
-        workers=workers or max(1, (os.cpu_count() or 1) // threads),
+        workers=workers or max(1, usable_cores() // threads),
         threads=threads,
         redis_url=redis_url,
         ready_within_s=ready_within,

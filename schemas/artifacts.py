@@ -27,4 +27,9 @@ class Manifest(WireModel):
     axes: Axes
     created_at: datetime
     software: str
+    complete: bool = Field(
+        default=True,
+        description="false where the job was cancelled with its finished frames to be kept, and "
+        "others are missing.",
+    )
     artifacts: list[Artifact]

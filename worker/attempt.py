@@ -102,7 +102,7 @@ def _work(folder: JobFolder, desk: Desk, observer: JobObserver, ending: "_Ending
             raise Cancelled
         manifest = desk.produce(folder, staging, ending.clock, observer.keeps_found)
         # A part of the results is not what the same content would give again.
-        code_version = None if observer.is_finishing else desk.code_version
+        code_version = desk.code_version if manifest.complete else None
         ending.succeeded(staging, manifest, code_version)
     except Cancelled:
         _stopped(observer.stop_reason, desk, lease, ending)

@@ -38,12 +38,12 @@ class HelpedCrew:
     """
 
     def __init__(self, helpers: Sequence[Helper]) -> None:
-        self._helpers = list(helpers)
+        self.helpers = list(helpers)
 
     def all_of(
         self, parts: Sequence[Part], observer: Observer, checkpoints: Checkpoints
     ) -> list[Any]:
-        work = _Round(self._helpers, parts, observer, checkpoints)
+        work = _Round(self.helpers, parts, observer, checkpoints)
         try:
             return work.results()
         finally:
@@ -51,13 +51,13 @@ class HelpedCrew:
             gone = [*work.lost, *work.busy]
             for helper in gone:
                 helper.end()
-            self._helpers = [one for one in self._helpers if one not in gone]
+            self.helpers = [one for one in self.helpers if one not in gone]
 
     def end(self) -> None:
         """End all helpers."""
-        for helper in self._helpers:
+        for helper in self.helpers:
             helper.end()
-        self._helpers = []
+        self.helpers = []
 
 
 class _Round:
@@ -118,8 +118,12 @@ class _Round:
 
     def _serve(self, wait_s: float = 0.0) -> None:
         """Hand out parts and hear what helpers say, waiting for a word if all parts are out."""
-        while self._idle and (taken := self._take()) is not None:
-            self._try_to_give(self._idle.pop(), *taken)
+        for helper in [one for one in self._idle if one.is_ready]:
+            taken = self._take()
+            if taken is None:
+                break
+            self._idle.remove(helper)
+            self._try_to_give(helper, *taken)
         for helper in list(self.busy):
             try:
                 while helper in self.busy:
@@ -140,7 +144,9 @@ class _Round:
                 except HelperLost as lost:
                     self._lose(helper, lost)
         elif now_s > self._stopped_at_s + _STOPS_WITHIN_S:
-            raise Cancelled
+            # Its part is done here, which ends at once, for all that is stopped.
+            for helper in list(self.busy):
+                helper.end()
 
     def _next(self) -> int | None:
         """Of the parts that wait. Helpers take them too, at any time."""

@@ -11,12 +11,17 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from multiprocessing import Pipe
 from queue import Empty, SimpleQueue
-from threading import Lock, Thread
+from threading import Event, Lock, Thread
 from typing import Any
 
 from schemas.job import Progress
 from worker.crew import Part
 from worker.own_pipe import receive, send
+
+
+@dataclass(frozen=True)
+class Ready:
+    """It has loaded what parts need."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +73,7 @@ class Held:
     content: bytes | None
 
 
-Message = Advanced | Load | Save | Done | Failed
+Message = Ready | Advanced | Load | Save | Done | Failed
 """What a helper says. It speaks of the part that it was given last."""
 
 
@@ -107,12 +112,18 @@ class Helper:
         self._said: SimpleQueue[Message | None] = SimpleQueue()
         self._take: Take = _nothing
         self._sending = Lock()
+        self._is_ready = Event()
         self._listener = Thread(target=self._listen, daemon=True)
         self._listener.start()
 
     @property
     def pid(self) -> int:
         return self._process.pid
+
+    @property
+    def is_ready(self) -> bool:
+        """Whether a part that it is given is begun at once. Never again for one that has ended."""
+        return self._is_ready.is_set()
 
     def give(self, part: Part, take: Take) -> None:
         """Have it do a part, and afterwards what it takes. Raises HelperLost."""
@@ -148,17 +159,29 @@ class Helper:
         try:
             while True:
                 message = receive(self._pipe)
-                taken = self._take() if isinstance(message, Done) else None
-                if taken is None:
-                    self._said.put(message)
+                if isinstance(message, Ready):
+                    self._is_ready.set()
+                elif isinstance(message, Done):
+                    self._go_on(message)
                 else:
-                    index, part = taken
-                    self._said.put(Done(message.result, index))
-                    self._send(part)
-        except (EOFError, OSError, HelperLost):
-            self._said.put(None)
+                    self._said.put(message)
+        except (EOFError, OSError):
+            self._is_ready.clear()
         except Exception as error:  # noqa: BLE001  raised where it is heard of
             self._said.put(Failed(error))
+        finally:
+            self._said.put(None)
+
+    def _go_on(self, done: Done) -> None:
+        # In one go, so that a Stop is of the part before or of the part after.
+        with self._sending:
+            taken = self._take()
+            if taken is None:
+                self._said.put(done)
+            else:
+                index, part = taken
+                self._said.put(Done(done.result, index))
+                send(self._pipe, part)
 
     def _send(self, what: Part | Held | Stop) -> None:
         try:

@@ -6,7 +6,7 @@ import traceback
 from multiprocessing.connection import Connection
 
 from schemas.job import Progress
-from worker.helper import Advanced, Done, Failed, Held, Load, Save, Stop
+from worker.helper import Advanced, Done, Failed, Held, Load, Ready, Save, Stop
 from worker.own_pipe import receive, send
 from worker.parent_death import die_with_parent
 from worker.threads import bind_libraries, use_threads
@@ -24,6 +24,7 @@ def main(pipe: int, parent_pid: int, threads: int) -> None:
     import worker.subject  # noqa: F401
 
     with Connection(pipe) as connection:
+        send(connection, Ready())
         while True:
             try:
                 part = receive(connection)

@@ -32,8 +32,7 @@ class StopReason(StrEnum):
 
 
 class JobObserver:
-    """Watches one attempt. `stop_reason` says why it told the computation to stop, if it did;
-    `is_finishing`, whether it was cancelled and what was found is finished.
+    """Watches one attempt. `stop_reason` says why it told the computation to stop, if it did.
 
     Redis is told at most four times a second, of each stage its first and last word besides and of
     all that is taken up from an earlier attempt, and asked at most every 0.3 s; when it fails, the
@@ -53,7 +52,7 @@ class JobObserver:
         self._ask_at_s = 0.0
         self._stage: Stage | None = None
         self._untold: Progress | None = None
-        self.is_finishing = False
+        self._is_finishing = False
 
     def advanced(self, progress: Progress) -> None:
         now_s = time.monotonic()
@@ -83,20 +82,21 @@ class JobObserver:
         return self.stop_reason is not None
 
     def keeps_found(self) -> bool:
-        """Whether the job was cancelled so that its finished frames are kept. From then on it is
-        `is_finishing`, and stops for other reasons only: a plain cancellation is one.
+        """Whether the job was cancelled so that its finished frames are kept. From then on neither
+        that nor the worker's end stops it, for nobody would finish them: a plain cancellation does.
         """
         if self.stop_reason is StopReason.CANCELLED:
-            self.is_finishing = self._keeps_frames()
-            self.stop_reason = None if self.is_finishing else self.stop_reason
-        return self.is_finishing and self.stop_reason is None
+            self._is_finishing = self._keeps_frames()
+            self.stop_reason = None if self._is_finishing else self.stop_reason
+        return self._is_finishing and self.stop_reason is None
 
     def _reason_to_stop(self) -> StopReason | None:
         if self._lease.is_lost:
             return StopReason.LEASE_LOST
         if self._is_cancel_requested():
             return StopReason.CANCELLED
-        return StopReason.SHUTDOWN if self._is_shutting_down() else None
+        is_leaving = self._is_shutting_down() and not self._is_finishing
+        return StopReason.SHUTDOWN if is_leaving else None
 
     def _is_cancel_requested(self) -> bool:
         now_s = time.monotonic()
@@ -106,18 +106,22 @@ class JobObserver:
         try:
             if not self._records.is_cancel_requested(self._lease.job_id):
                 return False
-            return not (self.is_finishing and self._records.keeps_frames(self._lease.job_id))
+            return not (self._is_finishing and self._records.keeps_frames(self._lease.job_id))
         except RedisError as error:
             self._ask_at_s = now_s + _REST_AFTER_FAILURE_S
             _LOGGER.warning("job %s: cancellation is not seen: %s", self._lease.job_id, error)
             return False
 
     def _keeps_frames(self) -> bool:
-        try:
-            return self._records.keeps_frames(self._lease.job_id)
-        except RedisError as error:
-            _LOGGER.warning("job %s: what to keep is not known: %s", self._lease.job_id, error)
-            return False
+        until_s = time.monotonic() + _REST_AFTER_FAILURE_S
+        while True:
+            try:
+                return self._records.keeps_frames(self._lease.job_id)
+            except RedisError as error:
+                if time.monotonic() > until_s:
+                    _LOGGER.warning("job %s: nothing is kept: %s", self._lease.job_id, error)
+                    return False
+                time.sleep(_ASK_EVERY_S)
 
     def _with_eta(self, progress: Progress, now_s: float) -> Progress:
         """Add what remains if the rest is as fast as what was, where nothing better is known.

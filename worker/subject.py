@@ -99,7 +99,7 @@ def run(
     clock.advanced(Progress(stage=Stage.READING))
     admission = admit(study, options, limits, pointer=pointer)
     shares = work_shares(study, options)
-    with crew_of(processes if len(study.frames) > 1 else 1, threads) as crew:
+    with crew_of(min(processes, len(study.frames)), threads) as crew:
         try:
             reconstruction = _reconstruct(
                 study,
@@ -136,6 +136,7 @@ def run(
         axes=study.axes,
         software=software(),
         created_at=datetime.now(UTC),
+        complete=not reconstruction.stopped_early,
     )
     clock.advanced(Progress(stage=Stage.DONE, fraction=1.0))
     return Finished(report, manifest)

@@ -6,6 +6,7 @@ FOLDER has request.json; the files go to FOLDER/out, the costs to FOLDER/costs.j
 """
 
 import json
+import logging
 import resource
 import subprocess
 import sys
@@ -62,6 +63,11 @@ def real_run(request: ContourRequest, processes: int) -> RealRun:
     return RealRun(report, costs, process_s)
 
 
+class _Raises(logging.Handler):
+    def emit(self, record: logging.LogRecord) -> None:
+        raise RuntimeError(record.getMessage())
+
+
 def main(folder: Path, processes: int) -> None:
     """What the child does."""
     from worker.subject import run
@@ -69,6 +75,8 @@ def main(folder: Path, processes: int) -> None:
 
     request = ContourRequest.model_validate_json((folder / "request.json").read_bytes())
     (folder / "out").mkdir()
+    # A helper that is lost is made up for, and said in the log alone: no figures come of that.
+    logging.getLogger("worker.helped_crew").addHandler(_Raises())
     use_threads(1)  # loads what takes seconds to load
     clock = CpuClock()
     began_s = time.perf_counter()

@@ -53,3 +53,18 @@ def dying(parent: int, mark: Path, observer: Observer, _: Checkpoints) -> str:
         observer.is_cancelled()
         time.sleep(0.01)
     return "done"
+
+
+def until_stopped(observer: Observer, _: Checkpoints) -> str:
+    """Returns what it has when it is stopped."""
+    while not observer.is_cancelled():
+        time.sleep(0.01)
+    return "stopped"
+
+
+def stubborn(parent: int, observer: Observer, _: Checkpoints) -> str:
+    """Heeds nothing in a helper."""
+    if os.getpid() == parent:
+        return "stopped here" if observer.is_cancelled() else "not stopped"
+    time.sleep(60.0)
+    return "never"

@@ -221,7 +221,7 @@ def until_stopped_keeping(
             raise
     if Finishing(observer, keeps).is_cancelled():
         raise Cancelled
-    return wrote(out_dir, "a part")
+    return wrote(out_dir, "a part").model_copy(update={"complete": False})
 
 
 def test_a_job_cancelled_with_its_frames_to_be_kept_ends_with_what_it_has(

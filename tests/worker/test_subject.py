@@ -13,6 +13,8 @@ from schemas.report import Report
 from schemas.study import ContourStudy
 from schemas.vocabulary import MeshFormat, View
 from worker.observer import Cancelled
+from worker.phantom.beating import Beat, BeatingHeart, sliced_beat
+from worker.phantom.shape import HeartShape
 from worker.phantom.standard_study import standard_study
 from worker.subject import Finished, run
 
@@ -99,6 +101,29 @@ def test_the_same_again_is_the_same_bytes(study: ContourStudy, tmp_path: Path) -
     assert meshes
     for path in meshes:
         assert path.read_bytes() == (tmp_path / "two" / path.name).read_bytes(), path.name
+
+
+@pytest.mark.slow
+def test_two_processes_write_the_same_bytes(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """All that several processes may share: chains, tracking, measuring, writing, drawing."""
+    beats = sliced_beat(BeatingHeart(HeartShape(), Beat()), 4, edge_mm=3.0).sliced.study
+    options = QUICK.model_copy(update={"tracked_meshes": True, "ensemble": 1})
+    found = {}
+    for processes in (1, 2):
+        out_dir = tmp_path / str(processes)
+        out_dir.mkdir()
+        run(beats, options, out_dir, threads=1, processes=processes, input_sha256="a" * 64)
+        found[processes] = {p.name: p.read_bytes() for p in sorted(out_dir.iterdir())}
+    assert not caplog.records, "no helper was lost"
+    assert found[1].keys() == found[2].keys()
+    # These two tell how long it took.
+    differ = {name for name, content in found[1].items() if content != found[2][name]}
+    assert differ <= {"report.json", "report.html"}
+    reports = [Report.model_validate_json(files["report.json"]) for files in found.values()]
+    one, other = (report.model_copy(update={"timings_s": {}}) for report in reports)
+    assert one == other
 
 
 @pytest.mark.parametrize("stage", [Stage.READING, Stage.FITTING, Stage.MESHING])

@@ -38,7 +38,8 @@ def measured_frames(
             failed.append(FailedFrameReport(label=fit.label, reason=found.detail))
             errors.append(found)
         else:
-            measured.append(found)
+            report, frame = found
+            measured.append((report, frame.with_meshes(fit.surfaces)))
     if errors and not measured:
         raise errors[0]
     return measured, failed

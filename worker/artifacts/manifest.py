@@ -10,7 +10,13 @@ from schemas.vocabulary import Axes
 
 
 def describe(
-    out_dir: Path, *, subject_id: str, axes: Axes, software: str, created_at: datetime
+    out_dir: Path,
+    *,
+    subject_id: str,
+    axes: Axes,
+    software: str,
+    created_at: datetime,
+    complete: bool = True,
 ) -> Manifest:
     """The manifest of a folder: every file in it but a manifest.
 
@@ -20,6 +26,7 @@ def describe(
         axes: The axes of every mesh; the unit is always mm.
         software: Name and version of what wrote them.
         created_at: When they were made, timezone-aware.
+        complete: Whether no frame is missing because the job was cancelled.
     """
     names = sorted(p.name for p in out_dir.iterdir() if p.name != MANIFEST_NAME)
     return Manifest(
@@ -27,6 +34,7 @@ def describe(
         axes=axes,
         created_at=created_at,
         software=software,
+        complete=complete,
         artifacts=[_described(out_dir / name) for name in names],
     )
 

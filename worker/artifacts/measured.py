@@ -1,7 +1,7 @@
 """A measured reconstruction: the report, and what is drawn and written beside it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from schemas.report import Report
 from schemas.vocabulary import Structure, View
@@ -69,6 +69,11 @@ class MeasuredFrame:
     surfaces: Mapping[Structure, MeasuredSurface]
     slices: Sequence[MeasuredSlice]
     ventricle: LeftVentricle | None = None
+
+    def with_meshes(self, meshes: Mapping[Structure, SurfaceMesh]) -> "MeasuredFrame":
+        """The same with these very meshes in place of their copies, which another process made."""
+        surfaces = {s: replace(one, mesh=meshes[s]) for s, one in self.surfaces.items()}
+        return replace(self, surfaces=surfaces)
 
 
 @dataclass(frozen=True, eq=False)

@@ -71,7 +71,7 @@ def reconstruct(
         share = ProgressShare(watcher, done / whole, (done + plan.cost(first)) / whole)
         results.add(fitted_chain(sequence, first, share, kept))
         done += plan.cost(first)
-    parts = [Part(fitted_chain, (sequence, one), plan.cost(one)) for one in chains(steps)]
+    parts = [Part(fitted_chain, (sequence.branch(), one), plan.cost(one)) for one in chains(steps)]
     if parts and not results.is_stopped:
         for found in hands.all_of(parts, ProgressShare(watcher, done / whole), kept):
             results.add(found)

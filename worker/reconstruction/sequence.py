@@ -4,6 +4,7 @@ A part of the pipeline: it joins stages that do not know each other.
 """
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -93,6 +94,12 @@ class FrameSequence:
         self._shared: SharedShifts | None = None
         if plan.is_shared and posed:
             self._share()
+
+    def branch(self) -> "FrameSequence":
+        """The same so far; what is fitted from now on, one does not learn of the other."""
+        other = copy(self)
+        other._fitted = dict(self._fitted)
+        return other
 
     def evidence_of(self, index: int) -> ShiftEvidence:
         """Of a frame's slices: from all frames, for good once one of them has been fitted."""
