@@ -76,7 +76,7 @@ def stopped_findings(function: FunctionReport | None) -> list[Finding]:
     text = (
         "The job was stopped before all frames were finished, and end-systole may be among those "
         f"that are missing: {lacks} are not given, and the cycle is taken for no whole one. "
-        "`restart` the job for all frames."
+        "For all frames, `restart` the job."
     )
     return [Finding(False, 0.0, text)]
 
