@@ -61,6 +61,16 @@ def results_in(folder: Path) -> EarlierResults:
     return EarlierResults(folder, report, _job_id(folder))
 
 
+def check_whole(report: Report) -> None:
+    """Raises InputError where the results are what a cancelled job had finished."""
+    if report.stopped_early:
+        raise InputError(
+            ProblemType.INVALID_REQUEST,
+            "these results are of a job that was stopped before all frames were finished, and that "
+            "cannot be done again; restart the job, or reconstruct the study, and rerun that",
+        )
+
+
 def _job_id(folder: Path) -> str | None:
     for path in sorted(folder.iterdir()):
         if path.suffix in _MESHES:

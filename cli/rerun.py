@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from cli.console import say, say_json
-from cli.earlier_results import EarlierResults, job_at, results_in
+from cli.earlier_results import EarlierResults, check_whole, job_at, results_in
 from cli.input_arguments import (
     InputArgument,
     JsonFlag,
@@ -59,6 +59,7 @@ def rerun(
             server, job_id = address
             with connected(server, api_key, retry_within) as client:
                 then, request = _served(client, job_id, Path(scratch) / "then", is_given=is_given)
+        check_whole(then.report)
         bind_libraries(then.report.provenance.threads)
         if request is not None:
             given: ContourInput | LabelInput = ContourInput(

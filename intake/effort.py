@@ -1,6 +1,7 @@
 """How much work a request asks for, counted in plain fits of one frame."""
 
 from intake.support import frame_surfaces
+from schemas.cycle_report import FEWEST_FRAMES
 from schemas.options import Holdout, Options
 from schemas.study import ContourStudy, Frame
 
@@ -10,9 +11,6 @@ REFIT_COST = 0.5
 MESHING_SHARE = 0.3
 """Of the standard fit's time: what does not depend on the steps, but on the grid."""
 
-LEAST_SEQUENCE = 3
-"""From so many frames on, each is near enough in time to its neighbour to go on from it."""
-
 
 def effort(study: ContourStudy, options: Options) -> float:
     """Of all frames of an admitted study: 1 a frame, less for those that go on from a neighbour,
@@ -20,7 +18,8 @@ def effort(study: ContourStudy, options: Options) -> float:
     """
     frames = [frame for frame in study.frames if frame_surfaces(frame, options)]
     more = sum(options.ensemble + REFIT_COST * _left_out(frame, options) for frame in frames)
-    if len(frames) < LEAST_SEQUENCE or not options.sequence.warm_start:
+    # From so many on, each is near enough in time to its neighbour to go on from it.
+    if len(frames) < FEWEST_FRAMES or not options.sequence.warm_start:
         return len(frames) + more
     return 1.0 + (len(frames) - 1) * warm_cost(options) + more
 

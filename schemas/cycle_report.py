@@ -8,6 +8,9 @@ from schemas.vocabulary import Structure
 Series = list[float | None]
 """By frame, in the order of `CycleReport.frames`; null where a frame does not have it."""
 
+FEWEST_FRAMES = 3
+"""Of a cycle; two are two instants."""
+
 
 class ChamberCycleReport(WireModel):
     """A ventricle's cavity as a pump. Rates are of the volume curve, not of a pair of frames."""
@@ -27,7 +30,8 @@ class ChamberCycleReport(WireModel):
     jitter_ml: float | None = Field(
         description="Root mean square second difference of the volume curve over that of "
         "independent errors of 1 mL: errors from frame to frame are at most so large. null where "
-        "no three frames in a row have the volume."
+        "no three frames of the study in a row have the volume; a step of over 1.5 median steps is "
+        "a frame that is missing."
     )
 
 
@@ -90,12 +94,17 @@ class CycleReport(WireModel):
     """The cycle, of studies with three frames or more."""
 
     frames: list[str] = Field(description="Labels in the order of time.")
-    times_ms: list[float] | None = Field(description="null where a frame has no time.")
-    is_whole_cycle: bool
+    times_ms: list[float] | None = Field(
+        description="null where a frame of the study has no time of its own."
+    )
+    is_whole_cycle: bool = Field(
+        description="What `sequence.whole_cycle` says; false where the job was stopped early."
+    )
     period_ms: float | None = Field(
         default=None,
-        description="From the first frame to the last, and a median step to the next beat's first; "
-        "null where the frames are no whole cycle, and without times that grow.",
+        description="From the study's first frame to its last, with results or not, and a median "
+        "step to the next beat's first; null where the frames are no whole cycle, and without "
+        "times that grow.",
     )
     ed_frame: str = Field(
         description="The frame that changes are measured from: of the largest left cavity; where "
@@ -103,7 +112,8 @@ class CycleReport(WireModel):
         "an area."
     )
     chambers: dict[Structure, ChamberCycleReport] = Field(
-        description="lv_endo and rv_endo, those that are closed in three frames or more."
+        description="lv_endo and rv_endo, those that are closed in three frames or more. "
+        "None where the job was stopped early: the smallest volume may be missing."
     )
     surfaces: dict[Structure, SurfaceCycleReport]
     left_ventricle: LeftVentricleCycleReport

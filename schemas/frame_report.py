@@ -97,6 +97,13 @@ class LeftVentricleReport(WireModel):
     not_measured: dict[str, str] = Field(description="By name of what is null, the reason.")
 
 
+class StudyFrame(WireModel):
+    """One instant of the study, whether it has results or not."""
+
+    label: str
+    time_ms: float | None
+
+
 class FailedFrameReport(WireModel):
     """One instant of several that no surface was found of, or none fit to be handed out."""
 

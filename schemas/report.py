@@ -6,7 +6,7 @@ from pydantic import Field
 
 from schemas.base import WireModel
 from schemas.cycle_report import CycleReport
-from schemas.frame_report import FailedFrameReport, FrameReport
+from schemas.frame_report import FailedFrameReport, FrameReport, StudyFrame
 from schemas.options import Options
 from schemas.tracking_report import TrackedSurfaceReport
 from schemas.vocabulary import Axes, Structure
@@ -14,7 +14,8 @@ from schemas.vocabulary import Axes, Structure
 
 class FunctionReport(WireModel):
     """Pump function: of frames named ED and ES where there are both, else, where three frames or
-    more have the left cavity closed, of those where it is largest and smallest.
+    more have the left cavity closed and the job was not stopped early, of those where it is largest
+    and smallest.
     """
 
     ed_frame: str | None = Field(
@@ -69,6 +70,14 @@ class Report(WireModel):
     failed_frames: list[FailedFrameReport] = Field(
         default_factory=list,
         description="Frames of the study without results, while others have them.",
+    )
+    study_frames: list[StudyFrame] = Field(
+        default_factory=list,
+        description="Every frame of the study in its order, with results or without.",
+    )
+    stopped_early: bool = Field(
+        default=False,
+        description="Whether frames are missing because the job was cancelled with `keep_frames`.",
     )
     function: FunctionReport | None = None
     cycle: CycleReport | None = Field(

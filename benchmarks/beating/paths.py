@@ -6,14 +6,11 @@ import numpy as np
 from jaxtyping import Float
 
 from schemas.vocabulary import Structure
-from worker.arrays import Points, Scalars
+from worker.arrays import Points
 from worker.evaluation.distance import nearest_on_surface
-from worker.evaluation.size import triangle_areas_mm2
 from worker.evaluation.surface_normals import unit
 from worker.phantom.beating.beating_heart import BeatingHeart
 from worker.surface_mesh import SurfaceMesh
-from worker.tracking.area_strain import area_strain
-from worker.tracking.tracked_surface import TrackedSurface
 
 Paths = Float[np.ndarray, "frames n 3"]
 Lengths = Float[np.ndarray, "frames n"]
@@ -69,18 +66,3 @@ def path_errors(found_mm: Paths, true_mm: Paths, normals: Paths) -> PathErrors:
     along = np.einsum("fnd,fnd->fn", off_mm, normals)
     within = off_mm - along[:, :, None] * normals
     return PathErrors(np.abs(along), np.linalg.norm(within, axis=2))
-
-
-def strain_from(tracked: TrackedSurface, frame: int) -> Lengths:
-    """Area about each vertex over that at `frame`, less one."""
-    ratio = 1.0 + area_strain(tracked)
-    strain: Lengths = ratio / ratio[frame] - 1.0
-    return strain
-
-
-def vertex_weights(mesh: SurfaceMesh) -> Scalars:
-    """Each vertex's share of the area, (n,), adding up to one."""
-    areas = np.bincount(
-        mesh.faces.ravel(), np.repeat(triangle_areas_mm2(mesh), 3), len(mesh.vertices_mm)
-    )
-    return areas / areas.sum()

@@ -8,23 +8,20 @@ from enum import StrEnum
 import numpy as np
 
 from benchmarks.beating.fits import fitted, two_processes
-from benchmarks.beating.paths import (
-    path_errors,
-    strain_from,
-    true_paths,
-    vertex_weights,
-)
+from benchmarks.beating.paths import path_errors, true_paths
 from benchmarks.beating.results import PhantomBeats, PhantomSurface
 from benchmarks.beating.tracked_row import tracked_row
 from benchmarks.environment import environment
 from schemas.options import Options
 from schemas.vocabulary import Structure
+from worker.evaluation.area_share import vertex_areas_mm2
 from worker.evaluation.distance import nearest_on_surface
 from worker.evaluation.size import volume_ml
 from worker.observer import Unobserved
 from worker.phantom.beating import PRESETS, BeatingHeart, BeatPreset, SlicedBeat, sliced_beat
 from worker.remeshing.remeshing import remesh
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.area_strain import area_strain
 from worker.tracking.tracked_surface import TrackedSurface
 from worker.tracking.tracking import track
 
@@ -123,8 +120,9 @@ def _row(
     surface = case.beat.surfaces[structure].frame(0)
     paths = true_paths(case.heart, structure, surface, at_rest.vertices_mm, case.beat.times_ms)
     errors = path_errors(tracked.vertices_mm, paths.positions_mm, paths.normals)
-    weights = vertex_weights(at_rest)
-    true_strain, strain = paths.area_ratio - 1.0, strain_from(tracked, 0)
+    areas_mm2 = vertex_areas_mm2(at_rest)
+    weights = areas_mm2 / areas_mm2.sum()
+    true_strain, strain = paths.area_ratio - 1.0, area_strain(tracked, 0)
     preset, over = names
     return PhantomSurface(
         preset=preset,

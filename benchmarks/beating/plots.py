@@ -9,8 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from benchmarks.beating.results import BeatingResults, RealCycle, Series, SlicedCycle
+from benchmarks.beating.results import BeatingResults, RealCycle, SlicedCycle
 from benchmarks.plots.style import LOOKS, SETTINGS, Look, ruled
+from schemas.cycle_report import Series
 
 _WARM, _COLD, _MODEL = LOOKS["field-standard"], LOOKS["hermite-rbf"], LOOKS["morphological"]
 

@@ -6,10 +6,11 @@ from pathlib import Path
 from benchmarks.beating.fits import Fitted, fitted_from_nothing, two_processes
 from benchmarks.beating.fitted_cycle import fitted_cycle
 from benchmarks.beating.real_run import RealRun, real_run
-from benchmarks.beating.results import RealCycle, Residuals, RunRow, Series
+from benchmarks.beating.results import RealCycle, Residuals, RunRow
 from benchmarks.beating.spread_out import spread_out
 from benchmarks.environment import environment
 from intake.formats.guide_points import read_guide_points
+from schemas.cycle_report import Series
 from schemas.messages import ContourRequest
 from schemas.options import Options
 from schemas.report import Report

@@ -3,10 +3,8 @@ frame, in the order of time.
 """
 
 from benchmarks.results import Environment, Value
+from schemas.cycle_report import Series
 from schemas.vocabulary import Structure
-
-Series = list[float | None]
-"""By frame; None where a frame has none."""
 
 
 class RunRow(Value):

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
+from worker.evaluation.function import shrinkage_percent
 
 
 @dataclass(frozen=True)
@@ -21,21 +21,7 @@ def pump(volumes_ml: Sequence[float | None]) -> Pump | None:
     if not there:
         return None
     edv_ml, esv_ml = max(there), min(there)
-    return Pump(edv_ml, esv_ml, 100.0 * (edv_ml - esv_ml) / edv_ml)
-
-
-def jitter_ml(volumes_ml: Sequence[float | None], *, is_whole_cycle: bool = True) -> float | None:
-    """Root mean square of the second differences over the square root of 6, which independent
-    errors of 1 mL have: an upper bound of frame-to-frame errors, as the beat bends the curve too.
-
-    None where a frame has no volume, or where there are fewer than three. Of a whole cycle the
-    first frame comes after the last one again.
-    """
-    there = known(volumes_ml)
-    if len(there) < len(volumes_ml) or len(there) < 3:
-        return None
-    around = [there[-1], *there, there[0]] if is_whole_cycle else there
-    return float(np.sqrt((np.diff(around, 2) ** 2).mean() / 6.0))
+    return Pump(edv_ml, esv_ml, shrinkage_percent(edv_ml, esv_ml))
 
 
 def differences_ml(

@@ -2,8 +2,9 @@ from pathlib import Path
 
 import pytest
 
-from cli.earlier_results import job_at, results_in
+from cli.earlier_results import check_whole, job_at, results_in
 from schemas.problem import InputError
+from tests.worker.artifacts.page.example_report import report
 
 ID = "0" * 32
 
@@ -33,3 +34,9 @@ def test_a_report_of_another_version_is_refused_with_a_remedy(tmp_path: Path) ->
     (tmp_path / "report.json").write_text('{"schema_version": "1.0"}')
     with pytest.raises(InputError, match="rerun it with the version"):
         results_in(tmp_path)
+
+
+def test_what_a_cancelled_job_kept_is_refused_with_a_remedy() -> None:
+    check_whole(report())
+    with pytest.raises(InputError, match="restart the job"):
+        check_whole(report().model_copy(update={"stopped_early": True}))

@@ -8,14 +8,21 @@ import pytest
 import trimesh
 from pydantic import ValidationError
 
+from schemas.frame_report import StudyFrame
 from schemas.options import Options
 from schemas.report import Report
-from schemas.vocabulary import Structure
+from schemas.vocabulary import Axes, Structure
+from tests.worker.artifacts.beating_spheres import frame as spheres
+from tests.worker.artifacts.beating_spheres import radius_mm
+from worker.crew import Alone
 from worker.evaluation.area_share import vertex_areas_mm2
 from worker.evaluation.area_spread import area_spread
 from worker.mesh_file import read_surface
+from worker.observer import Unobserved
 from worker.phantom.standard_study import standard_study
+from worker.reconstruction.result import Reconstruction
 from worker.subject import run
+from worker.tracked_meshes import tracked_surfaces
 
 QUICK = {
     "preset": "fast",
@@ -81,6 +88,32 @@ def test_viewers_find_every_frame_in_what_they_play(tmp_path: Path) -> None:
     played = trimesh.load_scene(tmp_path / "cycle.glb").geometry["lv_endo"]
     own = read_surface(tmp_path / "ED_lv_endo_tracked.ply")
     assert np.abs(played.vertices - own.vertices_mm).max() < 1e-4
+
+
+@pytest.mark.parametrize("stopped_early", [True, False])
+def test_what_is_left_of_a_stopped_job_is_not_tracked_over_the_gap(stopped_early: bool) -> None:
+    """Of eight frames F0, F1 and F7, sent as F7, F0, F1: side by side, with no way round."""
+    study = tuple(StudyFrame(label=f"F{n}", time_ms=100.0 * n) for n in range(8))
+    found = Reconstruction(
+        "case-01",
+        Axes.LPS,
+        tuple(spheres(n, 8, (Structure.LV_ENDO,)) for n in (7, 0, 1)),
+        stopped_early=stopped_early,
+        study_frames=study,
+    )
+    options = Options.model_validate({"tracked_meshes": True, "target_edge_mm": 4.0})
+    tracked, _ = tracked_surfaces(found, options, Unobserved(), Alone())
+    one = tracked[Structure.LV_ENDO]
+    assert one.frames[one.rest].label == "F0"
+    if stopped_early:
+        assert [each.label for each in one.frames] == ["F7", "F0", "F1"]
+        assert one.drift_mean_mm is None
+    else:
+        assert [each.label for each in one.frames] == ["F0", "F1", "F7"]
+        assert one.drift_mean_mm is not None
+    for each, mesh in zip(one.frames, map(one.mesh, range(3)), strict=True):
+        radii = np.linalg.norm(mesh.vertices_mm, axis=1)
+        assert radii.mean() == pytest.approx(radius_mm(int(each.label[1:]), 8), rel=0.01)
 
 
 def test_two_frames_are_too_few_and_it_is_said(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from worker.artifacts.slice_findings import (
 )
 from worker.artifacts.surface_findings import contact_findings, topology_findings
 from worker.artifacts.tracking_findings import tracking_findings
-from worker.artifacts.volume_findings import function_findings, volume_findings
+from worker.artifacts.volume_findings import function_findings, stopped_findings, volume_findings
 
 _SHOWN = 3
 """Of one kind; of more, only how many."""
@@ -37,6 +37,7 @@ def concerns(
     function: FunctionReport | None = None,
     tracking: Mapping[Structure, TrackedSurfaceReport] | None = None,
     open_base: bool = False,
+    stopped_early: bool = False,
 ) -> list[Concern]:
     """All that a reader should look at before using the surfaces, the gravest first.
 
@@ -50,12 +51,14 @@ def concerns(
         function: Pump function, if it was measured.
         tracking: Of the surfaces that were carried through the frames.
         open_base: Whether surfaces are meant to have a rim at the valves.
+        stopped_early: Whether frames are missing because the job was stopped.
     """
     of_frames, of_input = _split(warnings, frames)
     kinds: list[tuple[str, Sequence[Finding]]] = [
         ("faults of surfaces", topology_findings(frames, open_base)),
         ("implausible volumes", volume_findings(frames)),
         ("doubts about the pump function", function_findings(frames, function, open_base)),
+        ("jobs stopped early", stopped_findings(function) if stopped_early else []),
         *_alike(of_frames),
         ("surfaces far from their reference", reference_findings(frames)),
         ("surfaces that pass through each other", contact_findings(frames)),

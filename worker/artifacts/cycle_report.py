@@ -1,59 +1,58 @@
 """What follows from all frames of a cycle together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from schemas.cycle_report import ChamberCycleReport, CycleReport, LeftVentricleCycleReport
+from schemas.cycle_report import (
+    FEWEST_FRAMES,
+    ChamberCycleReport,
+    CycleReport,
+    LeftVentricleCycleReport,
+    Series,
+)
 from schemas.frame_report import FrameReport
 from schemas.vocabulary import Structure
 from worker.artifacts.cycle_surface import surface_cycle
-from worker.artifacts.end_diastole import Series, end_diastole, volumes_ml
+from worker.artifacts.end_diastole import end_diastole
+from worker.artifacts.frame_times import FrameTimes
 from worker.artifacts.measured import MeasuredFrame
+from worker.artifacts.surface_sizes import volumes_ml
 from worker.evaluation.change import change_percent, shortening_percent
+from worker.evaluation.extremes import largest_and_smallest
 from worker.evaluation.function import shrinkage_percent
 from worker.evaluation.jitter import jitter
-from worker.evaluation.volume_curve import FEWEST_FRAMES, peak_rates, period_ms
-from worker.reconstruction.cycle import in_time
+from worker.evaluation.volume_curve import peak_rates
 from worker.tracking.tracked_surface import NOT_OBSERVED, TrackedSurface
 
 _CHAMBERS = (Structure.LV_ENDO, Structure.RV_ENDO)
 
 
-@dataclass(frozen=True)
-class _Clock:
-    """times_ms: None where a frame has none. period_ms: None where frames are no whole cycle, or
-    their times do not grow.
-    """
-
-    times_ms: list[float] | None
-    period_ms: float | None
-    is_whole_cycle: bool
-
-
 def cycle_report(
     measured: Sequence[tuple[FrameReport, MeasuredFrame]],
     tracked: Mapping[Structure, TrackedSurface],
+    times: FrameTimes,
     *,
-    is_whole_cycle: bool,
+    stopped_early: bool = False,
 ) -> CycleReport | None:
     """Of three frames or more, put in order of time; None of fewer. tracked: surfaces that were
-    carried through frames of these labels.
+    carried through frames of these labels. stopped_early: whether the smallest volumes may be among
+    what is missing, so that no chamber is told of.
     """
     if len(measured) < FEWEST_FRAMES:
         return None
-    ordered = [measured[i] for i in in_time([report.time_ms for report, _ in measured])]
+    by_label = {one[0].label: one for one in measured}
+    ordered = [by_label[label] for label in times.labels]
     frames = [report for report, _ in ordered]
-    clock = _clock(frames, is_whole_cycle=is_whole_cycle)
     since = end_diastole(frames)
     structures = dict.fromkeys(structure for frame in frames for structure in frame.surfaces)
-    chambers = {s: _chamber(frames, s, clock) for s in _CHAMBERS if s in structures}
+    told = () if stopped_early else _CHAMBERS
+    chambers = {s: _chamber(frames, s, times) for s in told if s in structures}
     return CycleReport(
         frames=[frame.label for frame in frames],
-        times_ms=clock.times_ms,
-        is_whole_cycle=is_whole_cycle,
-        period_ms=clock.period_ms,
+        times_ms=None if times.times_ms is None else list(times.times_ms),
+        is_whole_cycle=times.is_whole_cycle,
+        period_ms=times.period_ms,
         ed_frame=frames[since].label,
         chambers={structure: one for structure, one in chambers.items() if one},
         surfaces={
@@ -65,38 +64,30 @@ def cycle_report(
     )
 
 
-def _clock(frames: Sequence[FrameReport], *, is_whole_cycle: bool) -> _Clock:
-    times = [frame.time_ms for frame in frames if frame.time_ms is not None]
-    if len(times) < len(frames):
-        return _Clock(None, None, is_whole_cycle)
-    lasts = is_whole_cycle and bool((np.diff(times) > 0.0).all())
-    return _Clock(times, period_ms(np.array(times)) if lasts else None, is_whole_cycle)
-
-
 def _chamber(
-    frames: Sequence[FrameReport], structure: Structure, clock: _Clock
+    frames: Sequence[FrameReport], structure: Structure, times: FrameTimes
 ) -> ChamberCycleReport | None:
     series = volumes_ml(frames, structure)
-    having = [i for i, volume in enumerate(series) if volume]
-    if len(having) < FEWEST_FRAMES:
+    instants = largest_and_smallest(series)
+    if instants is None:
         return None
+    having = [i for i, volume in enumerate(series) if volume]
     volumes = np.array([series[i] for i in having], dtype=np.float64)
-    largest, smallest = int(volumes.argmax()), int(volumes.argmin())
-    edv_ml, esv_ml = float(volumes[largest]), float(volumes[smallest])
+    edv_ml, esv_ml = float(volumes.max()), float(volumes.min())
     rates = None
-    if clock.times_ms is not None:
-        times_ms = np.array([clock.times_ms[i] for i in having])
-        rates = peak_rates(volumes, times_ms, clock.period_ms)
+    if times.times_ms is not None:
+        times_ms = np.array([times.times_ms[i] for i in having])
+        rates = peak_rates(volumes, times_ms, times.period_ms)
     return ChamberCycleReport(
-        ed_frame=frames[having[largest]].label,
-        es_frame=frames[having[smallest]].label,
+        ed_frame=frames[instants[0]].label,
+        es_frame=frames[instants[1]].label,
         edv_ml=edv_ml,
         esv_ml=esv_ml,
         stroke_volume_ml=edv_ml - esv_ml,
         ejection_fraction_percent=shrinkage_percent(edv_ml, esv_ml),
         peak_ejection_rate_ml_per_s=rates.ejection_ml_per_s if rates else None,
         peak_filling_rate_ml_per_s=rates.filling_ml_per_s if rates else None,
-        jitter_ml=jitter(series, is_whole_cycle=clock.is_whole_cycle),
+        jitter_ml=jitter(times.by_place(series), is_whole_cycle=times.is_whole_cycle),
     )
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from schemas.cycle_report import Series
 from worker.arrays import SomeScalars
-from worker.artifacts.end_diastole import Series
 from worker.evaluation.aha_segments import NAMES, LeftVentricle, aha_segments
 from worker.evaluation.area_share import vertex_areas_mm2
 from worker.evaluation.area_spread import AreaSpread, area_spread

@@ -9,8 +9,8 @@ from schemas.frame_report import FrameReport
 from schemas.reference_report import ReferenceReport
 from schemas.vocabulary import Structure
 from worker.artifacts.cycle_strain import cycle_strain
-from worker.artifacts.end_diastole import areas_cm2, volumes_ml
 from worker.artifacts.measured import MeasuredFrame, MeasuredSurface
+from worker.artifacts.surface_sizes import areas_cm2, volumes_ml
 from worker.evaluation.area_share import vertex_areas_mm2
 from worker.evaluation.area_spread import AreaSpread, area_spread
 from worker.evaluation.change import change_percent
@@ -18,11 +18,11 @@ from worker.tracking.tracked_surface import TrackedSurface
 
 _WALL = (Structure.LV_ENDO, Structure.LV_EPI)
 
-Measured = Sequence[tuple[FrameReport, MeasuredFrame]]
+MeasuredFrames = Sequence[tuple[FrameReport, MeasuredFrame]]
 
 
 def surface_cycle(
-    measured: Measured, structure: Structure, since: int, tracked: TrackedSurface | None
+    measured: MeasuredFrames, structure: Structure, since: int, tracked: TrackedSurface | None
 ) -> SurfaceCycleReport:
     """Of frames in order of time, some of which have the surface. since: index of end-diastole."""
     frames = [report for report, _ in measured]
@@ -55,7 +55,7 @@ def _bent_otherwise_percent(reference: ReferenceReport | None) -> float | None:
     return reference.curvature.gaussian_per_mm2.above_p75_area_percent
 
 
-def _field(measured: Measured, structure: Structure, name: str) -> SpreadSeries:
+def _field(measured: MeasuredFrames, structure: Structure, name: str) -> SpreadSeries:
     found = [frame.surfaces.get(structure) for _, frame in measured]
     return _series([None if one is None else _spread(one, name) for one in found])
 

@@ -5,19 +5,21 @@ from collections.abc import Sequence
 from schemas.frame_report import FrameReport
 from schemas.report import FunctionReport
 from schemas.vocabulary import Structure
+from worker.artifacts.surface_sizes import volumes_ml
+from worker.evaluation.extremes import largest_and_smallest
 from worker.evaluation.function import lv_function, shrinkage_percent
 
-_FEWEST_FRAMES = 3
-"""With the left cavity closed, of which the largest and the smallest are taken."""
 
-
-def function_report(frames: Sequence[FrameReport]) -> FunctionReport | None:
+def function_report(
+    frames: Sequence[FrameReport], *, stopped_early: bool = False
+) -> FunctionReport | None:
     """Pump function, where end-diastole and end-systole both have a closed left endocardium.
 
     They are the frames of these names (ED, ES) where there are both, whatever their volumes. Else,
-    where three frames or more have it closed, those of its largest and its smallest volume.
+    where three frames or more have it closed and none is missing because the job was stopped early,
+    those of its largest and its smallest volume.
     """
-    instants = _by_name(frames) or _by_volume(frames)
+    instants = _by_name(frames) or (None if stopped_early else _by_volume(frames))
     if instants is None:
         return None
     ed, es = instants
@@ -45,22 +47,13 @@ def _by_name(frames: Sequence[FrameReport]) -> tuple[FrameReport, FrameReport] |
 
 
 def _by_volume(frames: Sequence[FrameReport]) -> tuple[FrameReport, FrameReport] | None:
-    volumes_ml = [(_volume_ml(frame, Structure.LV_ENDO), frame) for frame in frames]
-    closed = [(volume, frame) for volume, frame in volumes_ml if volume]
-    if len(closed) < _FEWEST_FRAMES:
-        return None
-    _, ed = max(closed, key=lambda one: one[0])
-    _, es = min(closed, key=lambda one: one[0])
-    return ed, es
+    found = largest_and_smallest(volumes_ml(frames, Structure.LV_ENDO))
+    return None if found is None else (frames[found[0]], frames[found[1]])
 
 
 def _volumes_ml(
     ed: FrameReport, es: FrameReport, structure: Structure
 ) -> tuple[float, float] | None:
     """At end-diastole and end-systole, where both frames have the surface closed."""
-    diastolic, systolic = _volume_ml(ed, structure), _volume_ml(es, structure)
+    diastolic, systolic = volumes_ml([ed, es], structure)
     return (diastolic, systolic) if diastolic and systolic else None
-
-
-def _volume_ml(frame: FrameReport, structure: Structure) -> float | None:
-    return frame.surfaces[structure].volume_ml if structure in frame.surfaces else None

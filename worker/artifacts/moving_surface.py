@@ -3,17 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from schemas.cycle_report import FEWEST_FRAMES
 from schemas.vocabulary import Structure
 from worker.artifacts.frame_times import FrameTimes
 from worker.artifacts.measured import Measured
 from worker.surface_mesh import SurfaceMesh
-from worker.tracked_meshes import FEWEST_FRAMES
 
 
 @dataclass(frozen=True, eq=False)
 class MovingSurface:
-    """frames: places in `FrameTimes`, rising. meshes: one each, mm. is_tracked: they have the same
-    triangles, and a vertex is the same point of the tissue as far as that can be told.
+    """frames: indices in `FrameTimes.labels`, rising. meshes: one each, mm. is_tracked: they have
+    the same triangles, and a vertex is the same point of the tissue as far as that can be told.
     """
 
     structure: Structure

@@ -4,18 +4,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from schemas.cycle_report import FEWEST_FRAMES
 from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.surface_name import SurfaceName
 from schemas.vocabulary import MeshFormat
 from worker.artifacts.display_meshes import DisplayMeshes, display_meshes
-from worker.artifacts.frame_times import FrameTimes, frame_times
+from worker.artifacts.frame_times import FrameTimes, report_times
 from worker.artifacts.measured import Measured
 from worker.artifacts.mesh_files.moving_glb import write_moving_glb
 from worker.artifacts.mesh_files.pvd import write_pvd
 from worker.artifacts.moving_surface import MovingSurface, moving_surfaces
 from worker.observer import Cancelled, Observer, Unobserved
-from worker.tracked_meshes import FEWEST_FRAMES
 
 MOVING_GLB_NAME = "cycle.glb"
 """No mesh of a frame is called so: their names end in a surface."""
@@ -33,7 +33,7 @@ def write_playback(
     with `glb`, `cycle.glb` with all surfaces. Nothing for fewer than three frames. thinned: where
     other files have them too. Raises Cancelled when the observer asks to stop.
     """
-    times = frame_times(measured.report.frames, is_whole_cycle=options.sequence.whole_cycle)
+    times = report_times(measured.report)
     if len(times.labels) < FEWEST_FRAMES:
         return
     moving = moving_surfaces(measured, times)

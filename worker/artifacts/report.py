@@ -9,6 +9,7 @@ from schemas.vocabulary import Structure
 from worker.artifacts.concerns import concerns
 from worker.artifacts.contour_warnings import contour_warnings
 from worker.artifacts.cycle_report import cycle_report
+from worker.artifacts.frame_times import frame_times
 from worker.artifacts.frames import measured_frames
 from worker.artifacts.function_report import function_report
 from worker.artifacts.measured import Measured
@@ -60,14 +61,21 @@ def measure(
         *(text for one in frames for text in contour_warnings(one.label, one.contour_noise_mm)),
         *(text for one in frames for text in support_warnings(one.label, one.surfaces)),
     ]
-    function, tracking = function_report(frames), tracking_report(tracked or {})
+    stopped = reconstruction.stopped_early
+    function = function_report(frames, stopped_early=stopped)
+    tracking = tracking_report(tracked or {})
+    study = reconstruction.study_frames
+    whole = options.sequence.whole_cycle and not stopped
+    times = frame_times(frames, study, is_whole_cycle=whole)
     report = Report(
         subject_id=reconstruction.subject_id,
         axes=reconstruction.axes,
         frames=frames,
         failed_frames=failed,
+        study_frames=list(study),
+        stopped_early=stopped,
         function=function,
-        cycle=cycle_report(measured, tracked or {}, is_whole_cycle=options.sequence.whole_cycle),
+        cycle=cycle_report(measured, tracked or {}, times, stopped_early=stopped),
         tracking=tracking,
         warnings=said,
         concerns=concerns(
@@ -76,6 +84,7 @@ def measure(
             function=function,
             tracking=tracking,
             open_base=options.base is Base.OPEN,
+            stopped_early=stopped,
         ),
         timings_s={},
         options=options,

@@ -70,6 +70,17 @@ def function_findings(
     return found
 
 
+def stopped_findings(function: FunctionReport | None) -> list[Finding]:
+    """What a job that was stopped early does not tell."""
+    lacks = "`cycle.chambers`" if function else "`function` and `cycle.chambers`"
+    text = (
+        "The job was stopped before all frames were finished, and end-systole may be among those "
+        f"that are missing: {lacks} are not given, and the cycle is taken for no whole one. "
+        "For all frames, `restart` the job."
+    )
+    return [Finding(False, 0.0, text)]
+
+
 def _no_function(frames: Sequence[FrameReport]) -> list[Finding]:
     both = [one for one in frames if one.label.upper() in ("ED", "ES")]
     if len(both) < 2 or any(Structure.LV_ENDO not in one.surfaces for one in both):

@@ -6,10 +6,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline
 
+from schemas.cycle_report import FEWEST_FRAMES
+
 Frames = Float[np.ndarray, " frames"]
 """One number a frame, in the order of time."""
-
-FEWEST_FRAMES = 3
 
 _HARMONICS = 10
 """Of a whole cycle's volume curve; a finer wave of it is the frames' own error rather than flow."""

@@ -7,6 +7,7 @@ one chain each.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 from worker.reconstruction.slice_stack import SliceStack
 
@@ -45,6 +46,14 @@ def in_time(times_ms: Sequence[float | None]) -> list[int]:
     order = list(range(len(times_ms)))
     known = [time for time in times_ms if time is not None]
     return order if len(known) < len(times_ms) else sorted(order, key=known.__getitem__)
+
+
+def after_largest_gap(places: Sequence[int], count: int) -> int:
+    """Index of the frame that comes after the longest run of missing ones, round a cycle of `count`
+    places of which `places`, rising, are there; 0 where no run is longer than the one before it.
+    """
+    gaps = [b - a for a, b in pairwise([places[-1] - count, *places])]
+    return gaps.index(max(gaps))
 
 
 def observed_area(stack: SliceStack) -> float:

@@ -8,6 +8,7 @@ the way from a posed frame on.
 """
 
 from intake.support import frame_surfaces
+from schemas.frame_report import StudyFrame
 from schemas.options import Base, Options
 from schemas.study import ContourStudy
 from schemas.vocabulary import Structure
@@ -90,6 +91,7 @@ def reconstruct(
         tuple(FailedFrame(stacks[index].label, reasons[index]) for index in sorted(reasons)),
         sequence.warnings(),
         stopped_early=results.is_stopped,
+        study_frames=tuple(StudyFrame(label=f.label, time_ms=f.time_ms) for f in study.frames),
     )
     if results.is_stopped:
         raise StoppedEarly(found)

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from schemas.frame_report import StudyFrame
 from schemas.vocabulary import Axes, Structure, View
 from worker.arrays import Points, SomeScalars, Vector
 from worker.observer import Cancelled
@@ -112,7 +113,8 @@ class Reconstruction:
     """All frames of a subject, in mm and the study's own axes.
 
     failed: frames that are not among `frames`. warnings: what was noticed over all frames.
-    stopped_early: whether frames are missing because the observer asked to stop.
+    stopped_early: whether frames are missing because the observer asked to stop. study_frames: all
+    of the study, in its order.
 
     Times are not here: whoever watches takes them from the stages that the observer is told of.
     """
@@ -123,6 +125,7 @@ class Reconstruction:
     failed: tuple[FailedFrame, ...] = ()
     warnings: tuple[str, ...] = ()
     stopped_early: bool = False
+    study_frames: tuple[StudyFrame, ...] = ()
 
 
 class StoppedEarly(Cancelled):

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from intake.effort import LEAST_SEQUENCE, warm_cost
+from intake.effort import warm_cost
+from schemas.cycle_report import FEWEST_FRAMES
 from schemas.options import Options
 from worker.reconstruction.cycle import FitStep, fit_order, in_time, observed_area
 from worker.reconstruction.field_problem import moved_stack
@@ -62,7 +63,7 @@ class Start:
 def sequence_plan(stacks: Sequence[SliceStack], options: Options) -> SequencePlan:
     """How the frames of a study are to be fitted; a frame alone as ever."""
     count, chosen = len(stacks), options.sequence
-    is_warm = chosen.warm_start and count >= LEAST_SEQUENCE
+    is_warm = chosen.warm_start and count >= FEWEST_FRAMES
     is_shared = (
         chosen.share_shifts and count > 1 and options.align_slices and not options.alignment.rotate
     )

@@ -3,10 +3,12 @@
 from collections.abc import Mapping
 from statistics import fmean
 
-from benchmarks.beating.results import RealCycle, RunRow, Series
-from benchmarks.beating.volume_curve import jitter_ml, known, pump
+from benchmarks.beating.results import RealCycle, RunRow
+from benchmarks.beating.volume_curve import known, pump
 from benchmarks.tables.markdown import folded, number, table
+from schemas.cycle_report import Series
 from schemas.vocabulary import Structure
+from worker.evaluation.jitter import jitter
 
 _CAVITIES = (Structure.LV_ENDO, Structure.RV_ENDO)
 
@@ -56,7 +58,7 @@ def pumping(cycle: RealCycle) -> str:
                     number(found.esv_ml, 1),
                     number(found.ejection_fraction_percent, 1),
                     number(curve[0], 1),
-                    number(jitter_ml(curve), 2),
+                    number(jitter(curve, is_whole_cycle=True), 2),
                 )
             )
     return table(("", "EDV, mL", "ESV, mL", "EF, %", "first frame, mL", "jitter, mL"), rows)

@@ -4,8 +4,9 @@ from statistics import fmean
 
 from benchmarks.beating.results import SlicedCycle
 from benchmarks.beating.tables.tracked import FAULTS, faults
-from benchmarks.beating.volume_curve import differences_ml, ef_error_points, jitter_ml, known
+from benchmarks.beating.volume_curve import differences_ml, ef_error_points, known
 from benchmarks.tables.markdown import number, table
+from worker.evaluation.jitter import jitter
 
 
 def errors(cycle: SlicedCycle) -> str:
@@ -22,7 +23,7 @@ def errors(cycle: SlicedCycle) -> str:
                     f"{one.surface}, {who}",
                     *(number(value, 3) for value in (fmean(mm), max(mm))),
                     number(fmean(known(off_ml)), 2, sign=True),
-                    number(jitter_ml(off_ml), 2),
+                    number(jitter(off_ml, is_whole_cycle=True), 2),
                     number(ef_error_points(ml, one.true_ml), 2, sign=True),
                 )
             )

@@ -2,7 +2,7 @@ import pytest
 
 from schemas.vocabulary import Structure
 from tests.worker.artifacts.page.example_report import frame_report, surface_report
-from worker.artifacts.end_diastole import areas_cm2, end_diastole, volumes_ml
+from worker.artifacts.end_diastole import end_diastole
 
 LEFT, RIGHT, EPI = Structure.LV_ENDO, Structure.RV_ENDO, Structure.EPI
 Sizes = dict[Structure, tuple[float | None, float]]
@@ -37,9 +37,3 @@ def frames(*sizes: Sizes):
 )
 def test_the_largest_of_what_tells_best(sizes: list[Sizes], index: int) -> None:
     assert end_diastole(frames(*sizes)) == index
-
-
-def test_sizes_are_none_where_they_are_not_known() -> None:
-    some = frames({LEFT: (90.0, 3.0)}, {LEFT: (None, 2.0)}, {RIGHT: (80.0, 1.0)})
-    assert volumes_ml(some, LEFT) == [90.0, None, None]
-    assert areas_cm2(some, LEFT) == [3.0, 2.0, None]

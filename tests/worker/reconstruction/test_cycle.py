@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from worker.reconstruction.cycle import FitStep, chains, fit_order, in_time
+from worker.reconstruction.cycle import FitStep, after_largest_gap, chains, fit_order, in_time
 
 
 @given(st.integers(1, 40), st.data(), st.booleans())
@@ -62,3 +62,30 @@ def test_both_ways_round_are_chains_of_their_own() -> None:
 def test_frames_that_need_no_other_are_chains_of_one() -> None:
     alone = [FitStep(frame, ()) for frame in range(3)]
     assert chains(alone) == [(step,) for step in alone]
+
+
+@pytest.mark.parametrize(
+    ("places", "count", "first"),
+    [
+        ([0, 1, 24], 25, 2),
+        ([0, 1, 2, 22, 23, 24], 25, 3),
+        ([10, 11, 12], 25, 0),
+        ([0, 2, 3, 5], 6, 1),
+        ([0, 1, 2], 3, 0),
+        ([4], 9, 0),
+    ],
+)
+def test_what_is_left_of_a_cycle_begins_after_the_longest_gap(
+    places: list[int], count: int, first: int
+) -> None:
+    assert after_largest_gap(places, count) == first
+
+
+@given(st.sets(st.integers(0, 24), min_size=1))
+def test_in_that_order_the_frames_span_as_little_of_the_cycle_as_can_be(there: set[int]) -> None:
+    places = sorted(there)
+
+    def span(first: int) -> int:
+        return (places[first - 1] - places[first]) % 25
+
+    assert span(after_largest_gap(places, 25)) == min(map(span, range(len(places))))

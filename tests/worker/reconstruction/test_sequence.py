@@ -182,6 +182,8 @@ def test_the_frames_that_were_finished_are_kept_where_it_is_stopped(
     assert {"F0"} <= kept.keys() < set(RADII_MM)
     assert {one.label for one in found.failed} == set(RADII_MM) - kept.keys()
     assert all("when the job was cancelled" in one.reason for one in found.failed)
+    assert found.stopped_early
+    assert [one.label for one in found.study_frames] == list(RADII_MM)
     for frame in unbroken.frames:
         if frame.label in kept:
             for structure, mesh in frame.surfaces.items():

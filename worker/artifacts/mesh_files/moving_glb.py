@@ -1,8 +1,8 @@
 """Binary glTF 2.0 that plays: all surfaces of a heart over the cycle.
 
 A surface with the same triangles in all frames is one mesh with a morph target a frame, blended
-linearly in between. Of any other, every frame is a node of its own, and all but one at a time are
-scaled to nothing.
+linearly in between, and so over frames that lack it. Of any other, every frame is a node of its
+own: all but the present frame's are scaled to nothing, all of them where that lacks the surface.
 """
 
 from collections.abc import Iterable
@@ -116,20 +116,23 @@ class _Document:
         still = [0.0] * len(targets)
         node = self._node(surface.structure.value, primitive | {"targets": targets})
         self._meshes[-1] |= {"weights": still, "extras": {"targetNames": self._names(surface)[1:]}}
-        # Which target is at its full weight at each key: none in the first frame.
-        weights = np.eye(len(positions))[self._shown(surface), 1:]
-        self._channel(node, "weights", "LINEAR", self._keys(surface), weights.ravel())
+        seconds, shares = self._blended([self._times.seconds[frame] for frame in surface.frames])
+        # The first frame is no target.
+        self._channel(node, "weights", "LINEAR", self._keys(seconds), shares[:, 1:].ravel())
 
     def _add_switched(self, surface: MovingSurface) -> None:
-        keys, shown = self._keys(surface), self._shown(surface)
-        for frame, (label, mesh) in enumerate(
-            zip(self._names(surface), surface.meshes, strict=True)
-        ):
+        times = self._times
+        keys = self._keys([*times.seconds, times.period_s])
+        last = len(times.labels) - 1
+        # At the end the first one again, if that comes next.
+        shown = np.array([*range(last + 1), 0 if times.is_whole_cycle else last])
+        for place, (frame, mesh) in enumerate(zip(surface.frames, surface.meshes, strict=True)):
+            label = times.labels[frame]
             positions = mesh.vertices_mm.astype("<f4")
             normals = unit_normals(mesh).astype("<f4")
             primitive = self._primitive(positions, normals, mesh.faces)
             node = self._node(f"{label}_{surface.structure.value}", primitive)
-            if frame:
+            if place:
                 self._nodes[node]["scale"] = [0.0, 0.0, 0.0]
             scales = np.repeat((shown == frame)[:, None], 3, axis=1)
             self._channel(node, "scale", "STEP", keys, scales)
@@ -137,19 +140,24 @@ class _Document:
     def _names(self, surface: MovingSurface) -> list[str]:
         return [self._times.labels[frame] for frame in surface.frames]
 
-    def _keys(self, surface: MovingSurface) -> int:
-        """Times of its frames, and the end of the cycle."""
-        seconds = [self._times.seconds[frame] for frame in surface.frames]
-        keys = np.array([*seconds, self._times.period_s], dtype="<f4")
+    def _keys(self, seconds: Sequence[float]) -> int:
+        keys = np.array(seconds, dtype="<f4")
         bounds = {"min": [float(keys[0])], "max": [float(keys[-1])]}
         return self._accessor(keys, "SCALAR", None, bounds)
 
-    def _shown(self, surface: MovingSurface) -> np.ndarray:
-        """Which of its frames is there at every key; at the last the first one again, if that
-        comes next.
+    def _blended(self, seconds: list[float]) -> tuple[list[float], np.ndarray]:
+        """Keys of a surface that has frames at these times, to the end of the cycle, and each
+        frame's share at every key. A whole one begins and ends between the last frame and the first
+        of the next beat.
         """
-        count = len(surface.frames)
-        return np.array([*range(count), 0 if self._times.is_whole_cycle else count - 1])
+        own, end = np.eye(len(seconds)), self._times.period_s
+        if not self._times.is_whole_cycle:
+            return [*seconds, end], np.vstack([own, own[-1]])
+        share = (end - seconds[-1]) / (seconds[0] + end - seconds[-1])
+        seam = (1.0 - share) * own[-1] + share * own[0]
+        if seconds[0] == 0.0:
+            return [*seconds, end], np.vstack([own, seam])
+        return [0.0, *seconds, end], np.vstack([seam, own, seam])
 
     def _primitive(
         self, positions: np.ndarray, normals: np.ndarray, faces: np.ndarray

@@ -37,6 +37,7 @@ const cyclePlayer = (figure, figures, drawing) => {
     return surface.shown.map((_, n) => ({ x: plane(3 * n), y: plane(3 * n + 1), z: plane(3 * n + 2) }));
   };
   const surfaces = figure.surfaces.map((one) => ({ ...one, places: placesOf(one) }));
+  // In a frame that lacks it a surface is hidden, wherever it is.
   const placeAt = ({ shown, places }, frame) => places[Math.max(0, shown.findLastIndex((at) => at <= frame))];
 
   let frame = 0;
@@ -57,14 +58,15 @@ const cyclePlayer = (figure, figures, drawing) => {
     layout.scene.camera = camera() ?? fromAfar(layout.scene.camera, canvas);
     const data = surfaces.map((one, index) => {
       const trace = { ...one.trace, ...placeAt(one, frame) };
-      return { ...trace, opacity: opacityOf(trace, Number(glass.value)), visible: boxes[index].checked };
+      return { ...trace, opacity: opacityOf(trace, Number(glass.value)), visible: boxes[index].checked && one.shown.includes(frame) };
     });
     await Plotly.react(canvas, data, layout, CONFIG);
   };
 
   const show = async (next) => {
     frame = next;
-    const { said } = figure.frames[frame];
+    const lacking = surfaces.filter(({ shown }) => !shown.includes(frame)).map(({ structure }) => structure);
+    const said = [figure.frames[frame].said, ...lacking.map((structure) => `no ${structure}`)].join(", ");
     slider.value = frame;
     slider.setAttribute("aria-valuetext", said);
     now.textContent = said;

@@ -4,17 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from schemas.cycle_report import CycleReport
+from schemas.cycle_report import FEWEST_FRAMES, CycleReport
 from schemas.report import FunctionReport
 from schemas.vocabulary import Structure
-from worker.artifacts.frame_times import FrameTimes, frame_times
+from worker.artifacts.frame_times import FrameTimes, report_times
 from worker.artifacts.measured import Measured
 from worker.artifacts.moving_surface import MovingSurface, moving_surfaces
 from worker.artifacts.page.chart import Chart
 from worker.artifacts.page.cycle_charts import cycle_charts
 from worker.artifacts.page.cycle_scene import cycle_scene
 from worker.artifacts.page.frame_page import FramePage
-from worker.tracked_meshes import FEWEST_FRAMES
 from worker.tracking.tracked_surface import NOT_OBSERVED
 
 
@@ -57,7 +56,7 @@ def cycle_page(measured: Measured, frames: Sequence[FramePage]) -> CyclePage | N
     report = measured.report
     if len(frames) < FEWEST_FRAMES:
         return None
-    times = frame_times(report.frames, is_whole_cycle=report.options.sequence.whole_cycle)
+    times = report_times(report)
     moving = moving_surfaces(measured, times)
     return CyclePage(
         id="cycle",

@@ -44,9 +44,9 @@ def cycle_scene(
 
 
 def _said(times: FrameTimes) -> list[str]:
-    count = len(times.labels)
     if times.times_ms is None:
-        return [f"{label}, {n} of {count}" for n, label in enumerate(times.labels, start=1)]
+        at = zip(times.labels, times.places, strict=True)
+        return [f"{label}, {place + 1} of {times.count}" for label, place in at]
     return [f"{label}, {t:g} ms" for label, t in zip(times.labels, times.times_ms, strict=True)]
 
 

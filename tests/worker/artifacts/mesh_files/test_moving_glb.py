@@ -7,16 +7,22 @@ import trimesh
 
 from schemas.vocabulary import Axes, Structure
 from tests.worker.artifacts.mesh_files.gltf_player import Gltf, check, gltf
+from tests.worker.artifacts.page.example_report import frame_report
 from tests.worker.tracking.ellipsoids import Beat, own_surface, phases, sphere
-from worker.artifacts.frame_times import FrameTimes
+from worker.artifacts.frame_times import FrameTimes, frame_times
 from worker.artifacts.mesh_files.moving_glb import write_moving_glb
 from worker.artifacts.moving_surface import MovingSurface
 from worker.surface_mesh import SurfaceMesh
 
 COUNT = 6
-TIMES = FrameTimes(
-    tuple(f"F{n}" for n in range(COUNT)), (10.0, 45.0, 80.0, 115.0, 151.0, 185.0), True
+TIMES = frame_times(
+    [
+        frame_report(f"F{n}", time_ms=time)
+        for n, time in enumerate((10.0, 45.0, 80.0, 115.0, 151.0, 185.0))
+    ],
+    is_whole_cycle=True,
 )
+PART = replace(TIMES, is_whole_cycle=False, period_ms=None)
 PLACE_MM = np.array([130.0, -250.0, 1800.0])
 
 
@@ -43,7 +49,7 @@ def written(folder: Path, *surfaces: MovingSurface, times: FrameTimes = TIMES) -
     return gltf(path)
 
 
-@pytest.mark.parametrize("times", [TIMES, replace(TIMES, times_ms=None, is_whole_cycle=False)])
+@pytest.mark.parametrize("times", [TIMES, replace(PART, times_ms=None)])
 def test_it_keeps_the_rules_of_the_format(tmp_path: Path, times: FrameTimes) -> None:
     check(written(tmp_path, endo(), epi(), times=times))
 
@@ -70,8 +76,33 @@ def test_in_between_vertices_are_in_between_and_the_end_is_the_beginning(tmp_pat
     assert np.array_equal(first, last)
 
 
+def test_a_surface_without_the_first_frame_goes_on_over_the_seam(tmp_path: Path) -> None:
+    """Its last frame is at 175 ms, its first at 35 ms of a beat of 210 ms: half-way at the end."""
+    whole = endo()
+    frames = (1, 2, 3, 4, 5)
+    surface = replace(whole, frames=frames, meshes=whole.meshes[1:])
+    found = written(tmp_path, surface)
+    check(found)
+    middle = (whole.meshes[5].vertices_mm + whole.meshes[1].vertices_mm) / 2
+    for at in (0.0, TIMES.period_s):
+        np.testing.assert_allclose(found.shown(at)["lv_endo"], middle, atol=1e-3)
+    for frame in frames:
+        there = found.shown(TIMES.seconds[frame])["lv_endo"]
+        np.testing.assert_allclose(there, whole.meshes[frame].vertices_mm, atol=2e-4)
+
+
+def test_an_untracked_surface_without_the_first_frame_is_not_there_at_the_seam(
+    tmp_path: Path,
+) -> None:
+    whole = epi()
+    found = written(tmp_path, replace(whole, frames=whole.frames[1:], meshes=whole.meshes[1:]))
+    for at in (0.0, TIMES.seconds[2], TIMES.period_s):
+        assert list(found.shown(at)) == []
+    assert list(found.shown(TIMES.seconds[5])) == ["F5_lv_epi"]
+
+
 def test_what_is_no_whole_cycle_ends_as_it_ended(tmp_path: Path) -> None:
-    found = written(tmp_path, endo(), epi(), times=replace(TIMES, is_whole_cycle=False))
+    found = written(tmp_path, endo(), epi(), times=PART)
     last, end = (found.shown(at) for at in (TIMES.seconds[-1], TIMES.period_s))
     assert last.keys() == end.keys() == {"lv_endo", "F5_lv_epi"}
     assert np.array_equal(last["lv_endo"], end["lv_endo"])
@@ -84,7 +115,7 @@ def test_of_an_untracked_surface_one_frame_is_there_at_a_time(tmp_path: Path) ->
         shown = found.shown(TIMES.seconds[place] + 0.01)
         assert list(shown) == [f"F{place}_lv_epi"]
         assert np.array_equal(shown[f"F{place}_lv_epi"], mesh.vertices_mm.astype("f4"))
-    assert list(found.shown(TIMES.seconds[2])) == ["F1_lv_epi"]
+    assert list(found.shown(TIMES.seconds[2])) == [], "no other frame's in its stead"
     assert list(found.shown(TIMES.period_s)) == ["F0_lv_epi"]
 
 

@@ -3,14 +3,18 @@ import pytest
 
 from schemas.cycle_report import CycleReport
 from schemas.vocabulary import Structure
+from tests.worker.artifacts.page.example_report import frame_report
 from tests.worker.artifacts.page.measured_cycle import cycle_report, labels_of
-from worker.artifacts.frame_times import FrameTimes
+from worker.artifacts.frame_times import FrameTimes, frame_times
 from worker.artifacts.page.chart import Chart
 from worker.artifacts.page.cycle_charts import cycle_charts
 
 COUNT = 4
-TIMES = FrameTimes(tuple(labels_of(COUNT)), (0.0, 40.0, 80.0, 120.0), True)
-WITHOUT = FrameTimes(tuple(labels_of(COUNT)), None, True)
+LABELS = labels_of(COUNT)
+TIMES = frame_times(
+    [frame_report(label, time_ms=40.0 * n) for n, label in enumerate(LABELS)], is_whole_cycle=True
+)
+WITHOUT = frame_times([frame_report(label) for label in LABELS], is_whole_cycle=True)
 
 
 def drawn(cycle: CycleReport, times: FrameTimes = TIMES) -> dict[str, Chart]:

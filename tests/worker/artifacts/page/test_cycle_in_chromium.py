@@ -1,13 +1,16 @@
 """The player in a real browser: it moves when asked to, and frames are drawn when opened."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from schemas.vocabulary import Structure
 from tests.worker.artifacts.page.chromium import Browser, Tab, browser
 from tests.worker.artifacts.page.measured_cycle import measured_cycle
+from worker.artifacts.measured import Measured
 from worker.artifacts.page.html import render_html
 
 pytestmark = pytest.mark.slow
@@ -81,6 +84,20 @@ def tab(opened: Tab, report: Path) -> Iterator[Tab]:
     assert opened.requests() == [report.as_uri()]
 
 
+def with_gaps(measured: Measured) -> Measured:
+    frames = list(measured.frames)
+    left = {s: one for s, one in frames[2].surfaces.items() if s is not Structure.RV_ENDO}
+    frames[2] = replace(frames[2], surfaces=left)
+    whole = measured.tracked[Structure.LV_ENDO]
+    kept = [n for n in range(COUNT) if n != 3]
+    part = replace(
+        whole,
+        vertices_mm=whole.vertices_mm[kept],
+        frames=tuple(whole.frames[n] for n in kept),
+    )
+    return replace(measured, frames=frames, tracked={Structure.LV_ENDO: part})
+
+
 def shown(tab: Tab) -> dict[str, Any]:
     return dict(tab.evaluate(SHOWN))
 
@@ -98,6 +115,26 @@ def test_the_slider_moves_the_heart_and_the_marker(tab: Tab) -> None:
         assert then["x"][1] < first["x"][1], "the others have the frame's own mesh"
         assert then["now"] == then["said"] == f"F0{frame}, {40 * frame} ms"
         assert then["marker"] == 40 * frame
+
+
+def test_a_surface_is_hidden_in_frames_that_lack_it_and_it_is_said(
+    chromium: Browser, tmp_path: Path
+) -> None:
+    """F02 lacks the right ventricle, F03 the tracked left one."""
+    path = tmp_path / "report.html"
+    path.write_text(render_html(with_gaps(measured_cycle(COUNT))), encoding="utf-8")
+    tab = chromium.tab()
+    tab.open(path.as_uri(), until=DRAWN)
+    seen = {}
+    for frame in (1, 2, 3, 4):
+        tab.evaluate(go_to(frame))
+        seen[frame] = shown(tab)
+    assert seen[1]["visible"] == seen[4]["visible"] == [True] * 3
+    assert [one["visible"].count(False) for one in seen.values()] == [0, 1, 1, 0]
+    assert seen[2]["now"] == seen[2]["said"] == "F02, 80 ms, no rv_endo"
+    assert seen[3]["now"] == seen[3]["said"] == "F03, 120 ms, no lv_endo"
+    assert seen[4]["now"] == "F04, 160 ms"
+    assert tab.faults() == []
 
 
 def test_it_plays_and_pauses_and_never_by_itself(tab: Tab) -> None:
