@@ -5,7 +5,7 @@ linearly in between, and so over frames that lack it. Of any other, every frame 
 own: all but the present frame's are scaled to nothing, all of them where that lacks the surface.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
