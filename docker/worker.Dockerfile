@@ -30,7 +30,7 @@ RUN if [ "${OTEL}" = true ]; then \
     fi
 # A GPU build of torch, or a wheel that wants a system library this base lacks, ends the build here.
 RUN /opt/neuralmri/bin/python -c "import torch; assert torch.version.cuda is None, 'torch is a GPU build; set TORCH_INDEX_URL to an index of CPU builds'" \
-    && /opt/neuralmri/bin/python -c "import igl, nibabel, scipy, shapely, skimage.measure, trimesh"
+    && /opt/neuralmri/bin/python -c "import fast_simplification, igl, nibabel, scipy, shapely, skimage.measure, trimesh"
 COPY schemas schemas
 COPY intake intake
 COPY jobs jobs

@@ -16,6 +16,7 @@ from schemas.job import Progress, Stage
 from schemas.options import Options
 from schemas.report import Report
 from schemas.study import ContourStudy
+from worker.artifacts.display_meshes import display_meshes
 from worker.artifacts.manifest import describe
 from worker.artifacts.measured import Measured
 from worker.artifacts.page.html import render_html
@@ -42,8 +43,8 @@ from worker.threads import use_threads
 from worker.tracked_meshes import tracked_surfaces
 from worker.work_shares import work_shares
 
-_MESHES = 0.3
-"""Of writing; the rest is the page."""
+_MESHES, _THINNED, _PLAYED = 0.3, 0.6, 0.7
+"""Of writing, where each ends; the rest is the page."""
 
 
 @dataclass(frozen=True)
@@ -166,11 +167,13 @@ def _write(
 ) -> Report:
     """Everything but the manifest. The report has the times up to where its own writing begins."""
     write_meshes(measured, out_dir, job_id, ProgressShare(observer, 0.0, _MESHES), crew)
-    write_playback(measured, measured.report.options, out_dir, job_id)
+    thinned = display_meshes(measured, ProgressShare(observer, _MESHES, _THINNED), crew)
+    playing = ProgressShare(observer, _THINNED, _PLAYED)
+    write_playback(measured, measured.report.options, out_dir, job_id, playing, thinned)
     measured = timed(measured, clock.timings_s())
     text = measured.report.model_dump_json(indent=1) + "\n"
     (out_dir / "report.json").write_text(text, encoding="utf-8")
-    page = render_html(measured, ProgressShare(observer, _MESHES, 1.0), crew)
+    page = render_html(measured, ProgressShare(observer, _PLAYED, 1.0), crew, thinned)
     (out_dir / "report.html").write_text(page, encoding="utf-8")
     return measured.report
 

@@ -3,13 +3,16 @@ from pathlib import Path
 
 import pytest
 
+from schemas.job import Progress
 from schemas.media_types import ARTIFACT_MEDIA_TYPES
 from schemas.options import Options
 from tests.worker.artifacts.mesh_files.gltf_player import check, gltf
 from tests.worker.artifacts.page.measured_cycle import measured_cycle
 from tests.worker.artifacts.page.measured_phantom import measured_phantom
+from worker.artifacts.display_meshes import display_meshes
 from worker.artifacts.measured import Measured
 from worker.artifacts.playback import write_playback
+from worker.observer import Cancelled
 
 ALL = Options.model_validate({"formats": ["stl", "vtp", "glb"]})
 COLLECTIONS = {"lv_endo.pvd", "lv_endo_tracked.pvd", "lv_epi.pvd", "rv_endo.pvd"}
@@ -81,3 +84,39 @@ def test_no_surface_of_three_frames_is_no_moving_file(measured: Measured, tmp_pa
     bare = replace(measured, frames=[replace(one, surfaces={}) for one in measured.frames])
     write_playback(bare, ALL, tmp_path)
     assert not list(tmp_path.iterdir())
+
+
+class _Watching:
+    """Stops once it was told so many times."""
+
+    def __init__(self, stops_after: int) -> None:
+        self.told: list[Progress] = []
+        self._stops_after = stops_after
+
+    def advanced(self, progress: Progress) -> None:
+        self.told.append(progress)
+
+    def is_cancelled(self) -> bool:
+        return len(self.told) >= self._stops_after
+
+
+def test_it_tells_of_every_surface_and_asks_whether_to_stop(
+    measured: Measured, tmp_path: Path
+) -> None:
+    watching = _Watching(99)
+    write_playback(measured, ALL, tmp_path, observer=watching)
+    assert [one.fraction for one in watching.told] == [0.0, 1 / 3, 2 / 3]
+    stopping = _Watching(2)
+    with pytest.raises(Cancelled):
+        write_playback(measured, ALL, tmp_path, observer=stopping)
+    assert len(stopping.told) == 2
+
+
+def test_meshes_that_are_thinned_already_are_not_thinned_again(
+    measured: Measured, tmp_path: Path
+) -> None:
+    thinned = display_meshes(measured)
+    write_playback(measured, ALL, tmp_path, thinned=thinned)
+    given = (tmp_path / "cycle.glb").read_bytes()
+    write_playback(measured, ALL, tmp_path)
+    assert (tmp_path / "cycle.glb").read_bytes() == given

@@ -5,7 +5,7 @@ linearly in between. Of any other, every frame is a node of its own, and all but
 scaled to nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -34,7 +34,7 @@ _MANTISSA_BITS = 24
 
 def write_moving_glb(
     path: Path,
-    surfaces: Sequence[MovingSurface],
+    surfaces: Iterable[MovingSurface],
     times: FrameTimes,
     axes: Axes,
     *,

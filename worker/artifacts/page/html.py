@@ -2,7 +2,7 @@
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
@@ -11,7 +11,8 @@ from markupsafe import Markup, escape
 
 from schemas.frame_report import FrameReport
 from schemas.job import Progress, Stage
-from schemas.vocabulary import Axes
+from schemas.vocabulary import Axes, Structure
+from worker.artifacts.display_meshes import DisplayMeshes, display_meshes
 from worker.artifacts.measured import Measured, MeasuredFrame
 from worker.artifacts.page.charts import charts
 from worker.artifacts.page.cycle_page import CyclePage, cycle_page
@@ -24,6 +25,7 @@ from worker.artifacts.page.script_json import script_json
 from worker.checkpoints import Checkpoints, Unkept
 from worker.crew import Alone, Crew, Part
 from worker.observer import Cancelled, Observer, Unobserved
+from worker.surface_mesh import SurfaceMesh
 
 _CODE = re.compile("`([^`]*)`")
 
@@ -39,22 +41,39 @@ _PAGES.filters["with_code"] = lambda text: _with_code(text)
 
 
 def render_html(
-    measured: Measured, observer: Observer | None = None, crew: Crew | None = None
+    measured: Measured,
+    observer: Observer | None = None,
+    crew: Crew | None = None,
+    thinned: DisplayMeshes | None = None,
 ) -> str:
     """The page: every text in it escaped, numbers rounded for reading, the same for the same input.
 
     Tables and slice panels are plain HTML; 3D views and charts are drawn by plotly.js, which is in
-    the page, once. crew: who draws the frames. Raises Cancelled when the observer asks to stop.
+    the page, once. crew: who draws the frames. thinned: where other files have them too. Raises
+    Cancelled when the observer asks to stop.
     """
     # Loaded here: it is of no use to a process that renders nothing.
     from plotly.offline import get_plotlyjs
 
+    if thinned is None:
+        thinned = display_meshes(measured, observer, crew)
     report = measured.report
     most = triangles_a_surface(len(measured.frames))
     weight = report.options.loss.hinge_weight
     reports = {frame.label: frame for frame in report.frames}
     parts = [
-        Part(_drawn, (f"frame{number}", reports[frame.label], frame, report.axes, weight, most))
+        Part(
+            _drawn,
+            (
+                f"frame{number}",
+                reports[frame.label],
+                frame,
+                thinned[frame.label],
+                report.axes,
+                weight,
+                most,
+            ),
+        )
         for number, frame in enumerate(measured.frames)
     ]
     frames: list[FramePage] = (crew or Alone()).all_of(parts, observer or Unobserved(), Unkept())
@@ -75,6 +94,7 @@ def _drawn(
     id_: str,
     frame_report: FrameReport,
     frame: MeasuredFrame,
+    thinned: Mapping[Structure, SurfaceMesh],
     axes: Axes,
     hinge_weight: float,
     triangles: int,
@@ -83,11 +103,11 @@ def _drawn(
 ) -> FramePage:
     if observer.is_cancelled():
         raise Cancelled
-    observer.advanced(Progress(stage=Stage.WRITING))
+    observer.advanced(Progress(stage=Stage.WRITING, frame=frame.label))
     return FramePage(
         id=id_,
         report=frame_report,
-        scene=scene(frame, axes, triangles),
+        scene=scene(frame, thinned, axes, triangles),
         charts=charts(frame_report, frame, hinge_weight),
         panels=panels(frame, axes),
     )

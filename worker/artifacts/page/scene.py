@@ -9,7 +9,7 @@ from schemas.vocabulary import Axes, Structure
 from worker.arrays import SomePoints
 from worker.artifacts.measured import MeasuredFrame, MeasuredSurface
 from worker.artifacts.page.colourings import Shown, colourings
-from worker.artifacts.page.display_mesh import display_mesh
+from worker.artifacts.page.display_mesh import display_mesh, fields_at
 from worker.artifacts.page.palette import CONTOUR_COLOURS, ENCLOSING, GREY, STRUCTURE_COLOURS
 from worker.artifacts.page.thinned_line import thinned_line
 from worker.artifacts.page.typed_arrays import coordinates, corners
@@ -31,17 +31,21 @@ _LIGHT_AT = 5e4
 """Far behind the camera, so that no surface turns a black side to the reader."""
 
 
-def scene(frame: MeasuredFrame, axes: Axes, triangles: int) -> dict[str, Any]:
+def scene(
+    frame: MeasuredFrame, thinned: Mapping[Structure, SurfaceMesh], axes: Axes, triangles: int
+) -> dict[str, Any]:
     """plotly's `data` and `layout` of the plain view, the `colourings` it can be given, and its
     `layers`: by structure, what there is of it, and as the how manieth of the data.
 
-    triangles: of each surface on the screen; references have half as many.
+    thinned: every surface of the frame, no coarser than it is drawn. triangles: of each on the
+    screen; references have half as many.
     """
     data: list[dict[str, Any]] = []
     layers: dict[Structure, dict[str, int]] = {}
     shown = []
     for structure, surface in frame.surfaces.items():
-        mesh, fields = display_mesh(surface.mesh, surface.fields, triangles)
+        mesh = display_mesh(thinned[structure], triangles)
+        fields = fields_at(mesh, surface.mesh, surface.fields)
         shown.append(Shown(len(data), mesh.faces, fields))
         layers[structure] = {"surface": len(data)}
         data.append(_surface(structure, mesh, axes))
@@ -50,7 +54,7 @@ def scene(frame: MeasuredFrame, axes: Axes, triangles: int) -> dict[str, Any]:
             data.append(_contours(structure, surface))
         if surface.reference is not None:
             layers[structure]["reference"] = len(data)
-            mesh, _ = display_mesh(surface.reference, {}, triangles // 2)
+            mesh = display_mesh(surface.reference, triangles // 2)
             data.append(_reference(structure, mesh, axes))
     return {
         "data": data,

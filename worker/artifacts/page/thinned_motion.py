@@ -20,7 +20,7 @@ def thinned_motion(
     What is left of the first mesh is carried along with the triangles that it lies on.
     """
     first = meshes[0]
-    thin, _ = display_mesh(first, {}, triangles)
+    thin = display_mesh(first, triangles)
     if thin is first:
         return np.stack([mesh.vertices_mm for mesh in meshes]), first.faces
     places, on = nearest_on_surface(thin.vertices_mm, first)

@@ -6,6 +6,7 @@ import pytest
 
 from schemas.vocabulary import Structure
 from tests.worker.artifacts.page.measured_cycle import measured_cycle
+from worker.artifacts.display_meshes import display_meshes
 from worker.artifacts.measured import Measured
 from worker.artifacts.page.cycle_page import CyclePage, cycle_page
 from worker.artifacts.page.frame_page import FramePage
@@ -18,8 +19,9 @@ def measured() -> Measured:
 
 
 def paged(measured: Measured) -> CyclePage:
+    thinned, axes = display_meshes(measured), measured.report.axes
     pages = [
-        FramePage(f"frame{n}", report, scene(frame, measured.report.axes, 2000), [], [])
+        FramePage(f"frame{n}", report, scene(frame, thinned[frame.label], axes, 2000), [], [])
         for n, (report, frame) in enumerate(
             zip(measured.report.frames, measured.frames, strict=True)
         )
@@ -51,8 +53,10 @@ def test_other_surfaces_are_those_of_the_frames_and_not_in_the_page_twice(
     assert epi["structure"] == "lv_epi"
     assert "positions" not in epi
     assert [place["scene"] for place in epi["own"]] == [f"frame{n}-scene" for n in range(4)]
+    first = measured.frames[0]
     for place in epi["own"]:
-        traces = scene(measured.frames[0], measured.report.axes, 2000)["data"]
+        thinned = display_meshes(measured)[first.label]
+        traces = scene(first, thinned, measured.report.axes, 2000)["data"]
         assert traces[place["trace"]]["name"] == "lv_epi"
 
 

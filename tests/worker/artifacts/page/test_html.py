@@ -104,7 +104,7 @@ def test_text_of_the_caller_is_escaped() -> None:
     surface = surface_report(files=[f"{hostile}.stl"])
     ventricle = left_ventricle_report().model_copy(update={"not_measured": {hostile: hostile}})
     frame = frame_report(
-        hostile,
+        "ED",
         surfaces={Structure.LV_ENDO: surface},
         left_ventricle=ventricle,
         slices=[slice_report(hostile)],

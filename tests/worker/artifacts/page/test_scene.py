@@ -11,6 +11,7 @@ from tests.worker.artifacts.page.measured_phantom import measured_phantom
 from worker.artifacts.measured import FIELDS, MeasuredFrame
 from worker.artifacts.page.colourings import _LOOKS
 from worker.artifacts.page.scene import scene
+from worker.surface_mesh import SurfaceMesh
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +22,11 @@ def frame() -> MeasuredFrame:
 
 @pytest.fixture(scope="module")
 def drawn(frame: MeasuredFrame) -> dict[str, Any]:
-    return scene(frame, Axes.LPS, 2000)
+    return scene(frame, whole(frame), Axes.LPS, 2000)
+
+
+def whole(frame: MeasuredFrame) -> dict[Structure, SurfaceMesh]:
+    return {structure: surface.mesh for structure, surface in frame.surfaces.items()}
 
 
 def numbers(packed: dict[str, str]) -> np.ndarray:
@@ -94,7 +99,7 @@ def test_meshes_and_contours_are_thinned_out_and_every_contour_is_there(
 def test_the_camera_is_in_front_and_axes_say_where_they_go(
     frame: MeasuredFrame, axes: Axes, front: float
 ) -> None:
-    view = scene(frame, axes, 500)["layout"]["scene"]
+    view = scene(frame, whole(frame), axes, 500)["layout"]["scene"]
     assert view["camera"]["eye"]["y"] * front > 1.0
     assert view["aspectmode"] == "data"
     titles = [view[f"{name}axis"]["title"]["text"] for name in "xyz"]
@@ -106,6 +111,6 @@ def test_the_camera_is_in_front_and_axes_say_where_they_go(
 def test_there_need_be_neither_contours_nor_reference_nor_fields(frame: MeasuredFrame) -> None:
     endo = frame.surfaces[Structure.LV_ENDO]
     bare = MeasuredFrame("ED", {Structure.LV_ENDO: type(endo)(endo.mesh, {}, [], None)}, [])
-    drawn = scene(bare, Axes.LPS, 2000)
+    drawn = scene(bare, whole(bare), Axes.LPS, 2000)
     assert len(drawn["data"]) == 1
     assert drawn["colourings"] == []
