@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from schemas.cycle_report import CycleReport
+from schemas.report import FunctionReport
+from schemas.vocabulary import Structure
 from worker.artifacts.frame_times import FrameTimes, frame_times
 from worker.artifacts.measured import Measured
 from worker.artifacts.moving_surface import MovingSurface, moving_surfaces
@@ -33,6 +35,16 @@ class CyclePage:
     def tracked(self) -> list[str]:
         """Surfaces that are shown as the tracked mesh."""
         return [one.structure.value for one in self.moving if one.is_tracked]
+
+    def tells(self, function: FunctionReport) -> bool:
+        """Whether the table of the ventricles has it all."""
+        chambers = self.report.chambers if self.report else {}
+        left = chambers.get(Structure.LV_ENDO)
+        return (
+            left is not None
+            and (left.ed_frame, left.es_frame) == (function.ed_frame, function.es_frame)
+            and (function.rv_edv_ml is None or Structure.RV_ENDO in chambers)
+        )
 
     @property
     def not_observed(self) -> str:

@@ -1,10 +1,12 @@
 """What the page says of a whole cycle."""
 
 import re
+from dataclasses import replace
 
 import pytest
 from plotly.offline import get_plotlyjs
 
+from tests.worker.artifacts.page.example_report import report as example_report
 from tests.worker.artifacts.page.measured_cycle import measured_cycle
 from tests.worker.artifacts.page.measured_phantom import measured_phantom
 from tests.worker.artifacts.page.test_html import _Balanced, figures_of
@@ -45,6 +47,38 @@ def test_it_is_well_formed(page: str) -> None:
 )
 def test_it_tells_of_the_cycle(page: str, fact: str) -> None:
     assert fact in page
+
+
+def with_function(**change: str | float | None) -> str:
+    measured = measured_cycle()
+    function = example_report().function
+    assert function is not None
+    of_cycle = {"ed_frame": "F00", "es_frame": "F03", "rv_edv_ml": None}
+    function = function.model_copy(update=of_cycle | change)
+    return page_of(
+        replace(measured, report=measured.report.model_copy(update={"function": function}))
+    )
+
+
+def test_what_the_cycle_tells_of_function_is_not_told_twice() -> None:
+    page = with_function(lv_fractional_area_change_percent=51.25)
+    assert "<h2>Function</h2>" not in page
+    assert "half-way from apex to base is 51.2 % smaller at ES." in page
+
+
+RIGHT = {
+    "rv_edv_ml": 98.75,
+    "rv_esv_ml": 49.5,
+    "rv_stroke_volume_ml": 49.25,
+    "rv_ejection_fraction_percent": 49.9,
+}
+
+
+@pytest.mark.parametrize("change", [{"es_frame": "F02"}, RIGHT])
+def test_function_that_the_cycle_does_not_tell_stays(change: dict[str, str | float]) -> None:
+    page = with_function(lv_fractional_area_change_percent=51.25, **change)
+    assert page.count("<h2>Function</h2>") == 1
+    assert "smaller at ES" not in page
 
 
 def test_what_is_not_observed_is_said_at_the_tracked_mesh_and_at_its_strain(page: str) -> None:
