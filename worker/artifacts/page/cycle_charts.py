@@ -69,6 +69,8 @@ def _volume(cycle: CycleReport, at: Sequence[float], across: str) -> Chart:
     }
     note = "Of every closed surface. Dotted: the frame that is shown above. Circles: ED and ES."
     figure = over_time(data, across, "volume, mL", shapes=[marker])
+    # From nothing on, or the name of ES lies on the axis.
+    figure["layout"]["yaxis"]["rangemode"] = "tozero"
     return Chart("Volume", note, figure, broad=True)
 
 

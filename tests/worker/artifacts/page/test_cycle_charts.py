@@ -52,6 +52,7 @@ def test_volumes_are_at_their_times_and_ed_and_es_are_marked(
     assert (marks["x"], marks["y"]) == ([at[0], at[-1]], [101.25, 41.75])
     assert figure["layout"]["xaxis"]["title"]["text"] == across
     assert figure["layout"]["shapes"][0]["x0"] == at[0]
+    assert figure["layout"]["yaxis"]["rangemode"] == "tozero"
 
 
 def test_what_is_not_observed_is_said_beside_strain() -> None:

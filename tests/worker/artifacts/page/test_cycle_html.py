@@ -6,12 +6,15 @@ from dataclasses import replace
 import pytest
 from plotly.offline import get_plotlyjs
 
+from schemas.job import Progress
 from tests.worker.artifacts.page.example_report import report as example_report
 from tests.worker.artifacts.page.measured_cycle import measured_cycle
 from tests.worker.artifacts.page.measured_phantom import measured_phantom
 from tests.worker.artifacts.page.test_html import _Balanced, figures_of
+from worker.artifacts.display_meshes import display_meshes
 from worker.artifacts.measured import Measured
 from worker.artifacts.page.html import render_html
+from worker.observer import Unobserved
 from worker.tracking.tracked_surface import NOT_OBSERVED
 
 
@@ -30,6 +33,18 @@ def test_it_is_well_formed(page: str) -> None:
         parser.feed(one)
         assert parser.open == []
         assert len(parser.ids) == len(set(parser.ids))
+
+
+def test_it_tells_which_frame_it_draws() -> None:
+    told: list[str | None] = []
+
+    class Watching(Unobserved):
+        def advanced(self, progress: Progress) -> None:
+            told.append(progress.frame)
+
+    measured = measured_cycle()
+    render_html(measured, Watching(), thinned=display_meshes(measured))
+    assert told == ["F00", "F01", "F02", "F03"]
 
 
 @pytest.mark.parametrize(
