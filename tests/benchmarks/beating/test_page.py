@@ -29,8 +29,8 @@ def test_results_survive_their_file(results: BeatingResults) -> None:
 def test_a_real_cycle_tells_first_frames_from_others(results: BeatingResults) -> None:
     assert results.patient1 is not None
     text = real.costs(results.patient1)
-    assert "| fit of the first frame, CPU s | 9.0 | 9.0 |" in text
-    assert "| fit of another, CPU s | 2.50 | 2.50 |" in text
+    assert "| fit of the first frame, CPU s | 9.0 | - |" in text
+    assert "| fit of another, CPU s | 2.50 | - |" in text
     assert "| measuring, wall s | 20.0 | 15.0 |" in text
     assert "total" not in text
     text = real.pumping(results.patient1)
