@@ -49,7 +49,7 @@ class SequencePlan:
 
     def cost(self, steps: Sequence[FitStep]) -> float:
         """Of the steps together."""
-        return sum(self.warm_cost if step.before else 1.0 for step in steps)
+        return sum((self.warm_cost if step.before else 1.0 for step in steps), 0.0)
 
 
 @dataclass(frozen=True, eq=False)
