@@ -16,6 +16,7 @@ from worker.reconstruction.cycle import after_largest_gap, in_time
 from worker.reconstruction.result import FrameFit, Reconstruction
 from worker.remeshing.remeshing import remesh
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.sound_mesh import sound_mesh
 from worker.tracking.tracked_surface import TrackedSurface
 from worker.tracking.tracking import track
 
@@ -81,8 +82,9 @@ def _tracked(
 
 
 def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMesh:
+    """What is carried: sound, and with even triangles."""
     if options.target_edge_mm is not None:
-        return mesh
+        return sound_mesh(mesh)
     vertices, faces = remesh(
         mesh.vertices_mm,
         mesh.faces,
@@ -90,4 +92,4 @@ def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMes
         lambda points_mm: nearest_on_surface(points_mm, mesh)[0],
         observer,
     )
-    return SurfaceMesh(vertices, faces)
+    return sound_mesh(SurfaceMesh(vertices, faces))

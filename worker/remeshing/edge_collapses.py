@@ -13,18 +13,20 @@ _FEWEST_NEIGHBOURS = 4
 
 
 def collapse_edges(
-    vertices: SomePoints, faces: SomeFaces, candidates: np.ndarray
+    vertices: SomePoints, faces: SomeFaces, candidates: np.ndarray, *, may_fold: bool = False
 ) -> tuple[SomePoints, SomeFaces]:
     """Vertices and faces after some of the `candidates`, (e,) flags of the mesh's edges, are gone.
 
     Of candidates near each other the shortest goes, to its middle, and only where closedness and
     Euler number are kept (link condition) and no triangle folds over. Call again for the rest.
+    may_fold: Do not look whether triangles fold over, as where they are folded already.
     """
     edges = edges_of(faces, len(vertices))
     chosen = np.flatnonzero(candidates)
     chosen = _linked_twice(edges, chosen, faces, len(vertices))
     chosen = _apart(edges, chosen, edges.lengths(vertices)[chosen], len(vertices))
-    chosen = _unfolded(vertices, faces, edges, chosen)
+    if not may_fold:
+        chosen = _unfolded(vertices, faces, edges, chosen)
     if not len(chosen):
         return vertices, faces
     start, end = edges.start[chosen], edges.end[chosen]

@@ -1,9 +1,13 @@
-"""Faulty triangles smoothed away: their vertices go where their neighbours are."""
+"""Faulty triangles smoothed away: their vertices go where their neighbours are, and from there back
+to the surface as far as no triangle becomes faulty again.
+"""
 
 import numpy as np
+from jaxtyping import Bool
 from scipy import sparse
 
 from worker.arrays import Points
+from worker.evaluation.surface_normals import vertex_normals
 from worker.remeshing.edges import edges_of
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.faults import FaceFlags, against, folded, narrow, turned_over
@@ -13,9 +17,22 @@ LEAST_ANGLE_DEG = 10.0
 _FOLD_DEG = 140.0
 """Both no milder than what is counted as a fault afterwards."""
 
-_MOST_ROUNDS = 40
-_WIDER_EVERY = 8
+_NEEDLE_DEG = 3.0
+"""A narrow triangle that smoothing does not widen may stay, but no narrower than this."""
+
+_EVEN_ROUNDS = 40
+"""From then on only what is broken counts: turned over, folded or a needle."""
+
+_MOST_ROUNDS = 160
+_WIDER_EVERY = 16
 """Rounds after which vertices one edge further out move too."""
+
+_BACK_ROUNDS = 8
+"""Of half the way each."""
+
+
+VertexFlags = Bool[np.ndarray, " n"]
+"""One truth value a vertex."""
 
 
 class Untangler:
@@ -35,28 +52,65 @@ class Untangler:
         its triangles some may be left, and they are counted among the measures.
         """
         vertices = mesh.vertices_mm
+        moved = np.zeros(len(vertices), dtype=bool)
+        fewest, best, moved_then = len(mesh.faces) + 1, vertices, moved
         wrong = against(mesh, surface)
         for done in range(_MOST_ROUNDS):
             now = SurfaceMesh(vertices, mesh.faces)
             if done and done % _WIDER_EVERY == 0:
                 wrong = against(now, surface)
             # What lies against the surface is smoothed for as long as until it is asked again.
-            faulty = self._faulty(now) | wrong
+            faulty = self._faulty(now) | wrong if done < _EVEN_ROUNDS else self.broken(now)
+            if done >= _EVEN_ROUNDS and faulty.sum() < fewest:
+                fewest, best, moved_then = faulty.sum(), vertices, moved.copy()
             if not faulty.any():
                 break
-            vertices = self._smoothed(vertices, mesh.faces[faulty].ravel(), done // _WIDER_EVERY)
-        return SurfaceMesh(vertices, mesh.faces)
+            moving = self._around(mesh.faces[faulty].ravel(), done // _WIDER_EVERY)
+            vertices = self._smoothed(vertices, moving)
+            moved |= moving
+        else:
+            # Smoothing on and on takes whole ends away, and helps no more.
+            vertices, moved = best, moved_then
+        return self._drawn_back(SurfaceMesh(vertices, mesh.faces), moved, surface)
+
+    def broken(self, mesh: SurfaceMesh) -> FaceFlags:
+        """Triangles that are turned over, folded or needles."""
+        return turned_over(mesh) | folded(mesh, self._edges, _FOLD_DEG) | narrow(mesh, _NEEDLE_DEG)
+
+    def _drawn_back(
+        self, mesh: SurfaceMesh, moved: VertexFlags, surface: FrameSurface
+    ) -> SurfaceMesh:
+        """The mesh with its `moved` vertices nearer to the surface again, and no more broken."""
+        vertices, faces = mesh.vertices_mm, mesh.faces
+        sound = ~self.broken(mesh)
+        for _ in range(_BACK_ROUNDS if moved.any() else 0):
+            now = SurfaceMesh(vertices, faces)
+            places, _ = surface.matched(vertices[moved], vertex_normals(now)[moved])
+            tried = vertices.copy()
+            tried[moved] = 0.5 * (vertices[moved] + places)
+            # Back to where they were, until what is left of the step is sound.
+            while (broken := self.broken(SurfaceMesh(tried, faces)) & sound).any():
+                corners = faces[broken].ravel()
+                if np.array_equal(tried[corners], vertices[corners]):
+                    corners = np.arange(len(vertices))
+                tried[corners] = vertices[corners]
+            vertices = tried
+        return SurfaceMesh(vertices, faces)
 
     def _faulty(self, mesh: SurfaceMesh) -> FaceFlags:
         return (
             turned_over(mesh) | folded(mesh, self._edges, _FOLD_DEG) | narrow(mesh, LEAST_ANGLE_DEG)
         )
 
-    def _smoothed(self, vertices: Points, touched: np.ndarray, rings: int) -> Points:
-        moving = np.zeros(len(vertices), dtype=bool)
-        moving[touched] = True
+    def _around(self, touched: np.ndarray, rings: int) -> VertexFlags:
+        """These vertices, and those that so many edges lead to from them."""
+        found = np.zeros(len(self._degrees), dtype=bool)
+        found[touched] = True
         for _ in range(rings):
-            moving |= self._neighbours @ moving > 0.0
+            found |= self._neighbours @ found > 0.0
+        return found
+
+    def _smoothed(self, vertices: Points, moving: VertexFlags) -> Points:
         moved = vertices.copy()
         middles = (self._neighbours @ vertices) / self._degrees
         moved[moving] = 0.5 * (vertices[moving] + middles[moving])
