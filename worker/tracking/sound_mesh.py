@@ -22,7 +22,7 @@ def sound_mesh(mesh: SurfaceMesh) -> SurfaceMesh:
     surface = FrameSurface(mesh)
     for _ in range(_MOST_ROUNDS):
         untangler = Untangler(mesh)
-        untangled = untangler.untangled(mesh, surface)
+        untangled = untangler.untangled(mesh, surface, to_the_end=True)
         broken = untangler.broken(untangled)
         if not broken.any():
             return untangled

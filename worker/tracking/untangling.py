@@ -47,9 +47,13 @@ class Untangler:
         self._neighbours = sparse.csr_matrix((ones, ends), shape=(count, count))
         self._degrees = np.asarray(self._neighbours.sum(axis=1))
 
-    def untangled(self, mesh: SurfaceMesh, surface: FrameSurface) -> SurfaceMesh:
+    def untangled(
+        self, mesh: SurfaceMesh, surface: FrameSurface, *, to_the_end: bool = False
+    ) -> SurfaceMesh:
         """The mesh with as few faulty triangles as can be had: where its surface is thinner than
         its triangles some may be left, and they are counted among the measures.
+
+        to_the_end: Where some are left, the mesh after all rounds, not the one with the fewest.
         """
         vertices = mesh.vertices_mm
         moved = np.zeros(len(vertices), dtype=bool)
@@ -69,6 +73,8 @@ class Untangler:
             vertices = self._smoothed(vertices, moving)
             moved |= moving
         else:
+            if to_the_end:
+                return SurfaceMesh(vertices, mesh.faces)
             # Smoothing on and on takes whole ends away, and helps no more.
             vertices, moved = best, moved_then
         return self._drawn_back(SurfaceMesh(vertices, mesh.faces), moved, surface)
