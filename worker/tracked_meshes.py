@@ -20,8 +20,10 @@ from worker.tracking.sound_mesh import sound_mesh
 from worker.tracking.tracked_surface import TrackedSurface
 from worker.tracking.tracking import track
 
-_EDGE_MM = 2.0
-"""Edges of the carried mesh where no `target_edge_mm` is given."""
+_EDGES_MM = (2.0, 1.8, 1.6, 1.4)
+"""Edges of the carried mesh where no `target_edge_mm` is given: the first that leave no triangle at
+fault. On a thin end other triangles, and smaller ones, lie better.
+"""
 
 
 def tracked_surfaces(
@@ -84,12 +86,17 @@ def _tracked(
 def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMesh:
     """What is carried: sound, and with even triangles."""
     if options.target_edge_mm is not None:
-        return sound_mesh(mesh)
-    vertices, faces = remesh(
-        mesh.vertices_mm,
-        mesh.faces,
-        _EDGE_MM,
-        lambda points_mm: nearest_on_surface(points_mm, mesh)[0],
-        observer,
-    )
-    return sound_mesh(SurfaceMesh(vertices, faces))
+        return sound_mesh(mesh).mesh
+    found = []
+    for edge_mm in _EDGES_MM:
+        vertices, faces = remesh(
+            mesh.vertices_mm,
+            mesh.faces,
+            edge_mm,
+            lambda points_mm: nearest_on_surface(points_mm, mesh)[0],
+            observer,
+        )
+        found.append(sound_mesh(SurfaceMesh(vertices, faces)))
+        if not found[-1].faults:
+            break
+    return min(found, key=lambda one: one.faults).mesh

@@ -1,19 +1,24 @@
-"""Triangles that no carried mesh may have: turned over, folded onto a neighbour, or needles."""
+"""Triangles that no carried mesh may have: turned over, folded onto a neighbour, passing through
+another, or needles.
+"""
 
 import numpy as np
-from jaxtyping import Bool
 
 from worker.arrays import Faces, Points, SomePoints
 from worker.evaluation.surface_normals import unit, vertex_normals
-from worker.remeshing.edges import Edges
+from worker.evaluation.triangle_crossings import self_intersections
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.frame_surface import FrameSurface
+from worker.tracking.patch import FaceFlags, Pairs
 
 FOLD_DEGREES = 150.0
 """Angle between the normals of two neighbours, above which they are folded onto each other."""
 
-FaceFlags = Bool[np.ndarray, " m"]
-"""One truth value a triangle."""
+_SHARP_DEGREES = 140.0
+"""Angle above which they are smoothed: milder, so that none comes near to being a fault."""
+
+NEEDLE_DEGREES = 3.0
+"""A narrow triangle that smoothing does not widen may stay, but no narrower than this."""
 
 
 def face_normals(vertices_mm: Points, faces: Faces) -> SomePoints:
@@ -22,11 +27,11 @@ def face_normals(vertices_mm: Points, faces: Faces) -> SomePoints:
     return unit(np.cross(b - a, c - a))
 
 
-def turned_over(mesh: SurfaceMesh) -> FaceFlags:
+def turned_over(mesh: SurfaceMesh, least_cosine: float = 0.0) -> FaceFlags:
     """Triangles against the mesh's own normals at each of their corners."""
     normals = face_normals(mesh.vertices_mm, mesh.faces)
     cosines = np.einsum("mkd,md->mk", vertex_normals(mesh)[mesh.faces], normals)
-    return (cosines < 0.0).all(axis=1)
+    return (cosines < least_cosine).all(axis=1)
 
 
 def against(mesh: SurfaceMesh, surface: FrameSurface) -> FaceFlags:
@@ -44,13 +49,15 @@ def against(mesh: SurfaceMesh, surface: FrameSurface) -> FaceFlags:
     return found
 
 
-def folded(mesh: SurfaceMesh, edges: Edges, degrees: float = FOLD_DEGREES) -> FaceFlags:
-    """Triangles whose normal turns by more than `degrees` across one of their edges."""
+def folded(mesh: SurfaceMesh, pairs: Pairs, degrees: float = FOLD_DEGREES) -> FaceFlags:
+    """Triangles whose normal turns by more than `degrees` across one of their edges. pairs: the two
+    triangles at each edge.
+    """
     normals = face_normals(mesh.vertices_mm, mesh.faces)
-    here, there = edges.here // 3, edges.there // 3
+    here, there = pairs.T
     sharp = np.einsum("ed,ed->e", normals[here], normals[there]) < np.cos(np.radians(degrees))
     found = np.zeros(len(mesh.faces), dtype=bool)
-    found[here[sharp]] = found[there[sharp]] = True
+    found[pairs[sharp].ravel()] = True
     return found
 
 
@@ -60,3 +67,16 @@ def narrow(mesh: SurfaceMesh, degrees: float) -> FaceFlags:
     lengths = np.sort(np.linalg.norm(sides, axis=2), axis=1)
     doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     return doubled < np.sin(np.radians(degrees)) * lengths[:, 1] * lengths[:, 2]
+
+
+def broken(mesh: SurfaceMesh, pairs: Pairs, least_degrees: float = NEEDLE_DEGREES) -> FaceFlags:
+    """Triangles that are turned over, nearly folded, or have an angle under `least_degrees`."""
+    sharp = folded(mesh, pairs, _SHARP_DEGREES)
+    return turned_over(mesh) | sharp | narrow(mesh, least_degrees)
+
+
+def at_fault(mesh: SurfaceMesh, pairs: Pairs) -> FaceFlags:
+    """Triangles that are turned over, folded or pass through others: what is counted."""
+    found = turned_over(mesh) | folded(mesh, pairs)
+    found[self_intersections(mesh).ravel()] = True
+    return found

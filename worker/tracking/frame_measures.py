@@ -7,10 +7,10 @@ from worker.evaluation.distance import directed, distances_both_ways
 from worker.evaluation.quality import triangle_quality
 from worker.evaluation.size import triangle_areas_mm2
 from worker.evaluation.triangle_crossings import self_intersections
-from worker.remeshing.edges import edges_of
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.faults import against, folded, turned_over
 from worker.tracking.frame_surface import FrameSurface
+from worker.tracking.patch import Patch
 from worker.tracking.tracked_surface import TrackedFrame
 
 _SAMPLES = 10_000
@@ -32,7 +32,7 @@ def measured(
         from_surface=directed(from_surface.distances_mm),
         turned_over=int(turned_over(mesh).sum()),
         against_surface=int(against(mesh, surface).sum()),
-        folded=int(folded(mesh, edges_of(mesh.faces, len(mesh.vertices_mm))).sum()),
+        folded=int(folded(mesh, Patch.whole(mesh).pairs).sum()),
         self_intersections=len(self_intersections(mesh)),
         least_angle_deg=quality.min_angle_deg,
         below_20_deg_percent=quality.below_20_deg_percent,

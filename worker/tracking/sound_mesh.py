@@ -1,43 +1,60 @@
-"""A mesh fit to be carried: what is broken in it would stay so in every frame."""
+"""A mesh fit to be carried: what is at fault in it would stay so in every frame."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from worker.remeshing.edge_collapses import collapse_edges
 from worker.remeshing.edges import edges_of
 from worker.surface_mesh import SurfaceMesh
-from worker.tracking.faults import FaceFlags
+from worker.tracking.faults import at_fault, broken, turned_over
 from worker.tracking.frame_surface import FrameSurface
-from worker.tracking.untangling import Untangler
+from worker.tracking.patch import FaceFlags, Patch
+from worker.tracking.untangling import untangled
 
-_MOST_ROUNDS = 20
+_MOST_ROUNDS = 6
 
 _WIDEST = 3
-"""Rings of triangles about the broken ones in which an edge is looked for that may go."""
+"""Rings of triangles about the faulty ones in which an edge is looked for that may go."""
+
+_LEAST_COSINE = 0.2
+"""Between a triangle's normal and one at its corners: one nearly turned over soon is."""
 
 
-def sound_mesh(mesh: SurfaceMesh) -> SurfaceMesh:
+@dataclass(frozen=True, eq=False)
+class SoundMesh:
+    """A closed mesh, mm, and how many of its triangles are at fault all the same."""
+
+    mesh: SurfaceMesh
+    faults: int
+
+
+def sound_mesh(mesh: SurfaceMesh) -> SoundMesh:
     """A closed mesh, mm, without its faults where that can be had: smoothed, and where smoothing
     does not help, as at a fin between a few vertices, with their edges drawn together.
     """
     surface = FrameSurface(mesh)
+    found = []
     for _ in range(_MOST_ROUNDS):
-        untangler = Untangler(mesh)
-        untangled = untangler.untangled(mesh, surface, to_the_end=True)
-        broken = untangler.broken(untangled)
-        if not broken.any():
-            return untangled
+        whole = Patch.whole(mesh)
+        smooth = untangled(mesh, surface, whole)
+        faulty = at_fault(smooth, whole.pairs) | broken(smooth, whole.pairs)
+        faulty |= turned_over(smooth, _LEAST_COSINE)
+        found.append(SoundMesh(smooth, int(faulty.sum())))
+        if not faulty.any():
+            break
         for _ in range(_WIDEST):
-            fewer = _drawn_together(mesh, broken)
+            fewer = _drawn_together(mesh, faulty)
             if len(fewer.faces) < len(mesh.faces):
                 break
-            broken = np.asarray(np.isin(mesh.faces, mesh.faces[broken]).any(axis=1))
+            faulty = np.asarray(np.isin(mesh.faces, mesh.faces[faulty]).any(axis=1))
         else:
-            return untangled
+            break
         mesh = fewer
-    return Untangler(mesh).untangled(mesh, surface)
+    return min(found, key=lambda one: one.faults)
 
 
-def _drawn_together(mesh: SurfaceMesh, at_fault: FaceFlags) -> SurfaceMesh:
+def _drawn_together(mesh: SurfaceMesh, faulty: FaceFlags) -> SurfaceMesh:
     edges = edges_of(mesh.faces, len(mesh.vertices_mm))
-    candidates = at_fault[edges.here // 3] | at_fault[edges.there // 3]
+    candidates = faulty[edges.here // 3] | faulty[edges.there // 3]
     return SurfaceMesh(*collapse_edges(mesh.vertices_mm, mesh.faces, candidates, may_fold=True))

@@ -10,8 +10,10 @@ from worker.surface_mesh import SurfaceMesh
 from worker.tracking.carrier import Carried, Carrier
 from worker.tracking.frame_measures import measured
 from worker.tracking.frame_surface import FrameSurface
+from worker.tracking.interpolation import interpolated
+from worker.tracking.patch import Patch
 from worker.tracking.tracked_surface import TrackedSurface
-from worker.tracking.untangling import Untangler
+from worker.tracking.untangling import untangled
 
 
 def track(
@@ -36,7 +38,7 @@ def track(
     not closed, InternalError for a surface without faces, Cancelled when asked to stop.
     """
     watcher = observer or Unobserved()
-    carrier, untangler = Carrier(rest), Untangler(rest)
+    carrier, whole = Carrier(rest), Patch.whole(rest)
     count = len(surfaces)
     vertices = np.empty((count, *rest.vertices_mm.shape))
     frames = {}
@@ -55,7 +57,8 @@ def track(
             surface = FrameSurface(mesh)
             if passed:
                 carried = carrier.carried(now, surface)
-                sound = untangler.untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface)
+                smooth = untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface, whole)
+                sound = interpolated(smooth, carried.copy_mm, whole)
                 before, now = now, Carried(sound.vertices_mm, carried.copy_mm)
             if passed and index == rest_frame:
                 drift_mm = np.linalg.norm(now.vertices_mm - rest.vertices_mm, axis=1)

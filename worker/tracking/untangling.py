@@ -2,122 +2,119 @@
 to the surface as far as no triangle becomes faulty again.
 """
 
-import numpy as np
-from jaxtyping import Bool
-from scipy import sparse
+from dataclasses import dataclass
 
-from worker.arrays import Points
+import numpy as np
+
 from worker.evaluation.surface_normals import vertex_normals
-from worker.remeshing.edges import edges_of
 from worker.surface_mesh import SurfaceMesh
-from worker.tracking.faults import FaceFlags, against, folded, narrow, turned_over
+from worker.tracking.faults import NEEDLE_DEGREES, against, broken
 from worker.tracking.frame_surface import FrameSurface
+from worker.tracking.patch import FaceFlags, Patch
 
 LEAST_ANGLE_DEG = 10.0
-_FOLD_DEG = 140.0
-"""Both no milder than what is counted as a fault afterwards."""
+"""Triangles with a narrower angle are widened, where smoothing does that."""
 
-_NEEDLE_DEG = 3.0
-"""A narrow triangle that smoothing does not widen may stay, but no narrower than this."""
+_EVEN_RINGS = range(3)
+_MEND_RINGS = range(3, 10)
+"""About the faulty triangles; the vertices there move with them, with ever more rings."""
 
-_EVEN_ROUNDS = 40
-"""From then on only what is broken counts: turned over, folded or a needle."""
+_ROUNDS = 16
+"""With each number of rings."""
 
-_MOST_ROUNDS = 160
-_WIDER_EVERY = 16
-"""Rounds after which vertices one edge further out move too."""
+_MARGIN = 3
+"""Rings about those that move, to where the patch ends that is worked on."""
 
 _BACK_ROUNDS = 8
 """Of half the way each."""
 
 
-VertexFlags = Bool[np.ndarray, " n"]
-"""One truth value a vertex."""
+def untangled(mesh: SurfaceMesh, surface: FrameSurface, whole: Patch) -> SurfaceMesh:
+    """The mesh with as few broken triangles as smoothing leaves, and never more than it has.
+
+    surface: what it is to lie on. whole: all of the mesh.
+    """
+    # On the surface again, much of what smoothing folded comes apart.
+    even = _drawn_back(_evened(mesh, surface, whole), mesh, surface, whole)
+    if not broken(even, whole.pairs).any():
+        return even
+    mended = _drawn_back(_mended(even, whole), mesh, surface, whole)
+    return min(mended, mesh, key=lambda one: broken(one, whole.pairs).sum())
 
 
-class Untangler:
-    """The neighbourhoods of a closed mesh. Raises ValueError for one that is not closed."""
+@dataclass(frozen=True, eq=False)
+class _State:
+    """A mesh after a round, and how many of its triangles are broken."""
 
-    def __init__(self, rest: SurfaceMesh) -> None:
-        self._edges = edges_of(rest.faces, len(rest.vertices_mm))
-        count = len(rest.vertices_mm)
-        start, end = self._edges.start, self._edges.end
-        ones = np.ones(2 * len(start))
-        ends = (np.concatenate([start, end]), np.concatenate([end, start]))
-        self._neighbours = sparse.csr_matrix((ones, ends), shape=(count, count))
-        self._degrees = np.asarray(self._neighbours.sum(axis=1))
+    mesh: SurfaceMesh
+    broken: int
 
-    def untangled(
-        self, mesh: SurfaceMesh, surface: FrameSurface, *, to_the_end: bool = False
-    ) -> SurfaceMesh:
-        """The mesh with as few faulty triangles as can be had: where its surface is thinner than
-        its triangles some may be left, and they are counted among the measures.
 
-        to_the_end: Where some are left, the mesh after all rounds, not the one with the fewest.
-        """
-        vertices = mesh.vertices_mm
-        moved = np.zeros(len(vertices), dtype=bool)
-        fewest, best, moved_then = len(mesh.faces) + 1, vertices, moved
-        wrong = against(mesh, surface)
-        for done in range(_MOST_ROUNDS):
-            now = SurfaceMesh(vertices, mesh.faces)
-            if done and done % _WIDER_EVERY == 0:
-                wrong = against(now, surface)
-            # What lies against the surface is smoothed for as long as until it is asked again.
-            faulty = self._faulty(now) | wrong if done < _EVEN_ROUNDS else self.broken(now)
-            if done >= _EVEN_ROUNDS and faulty.sum() < fewest:
-                fewest, best, moved_then = faulty.sum(), vertices, moved.copy()
-            if not faulty.any():
-                break
-            moving = self._around(mesh.faces[faulty].ravel(), done // _WIDER_EVERY)
-            vertices = self._smoothed(vertices, moving)
-            moved |= moving
-        else:
-            if to_the_end:
-                return SurfaceMesh(vertices, mesh.faces)
-            # Smoothing on and on takes whole ends away, and helps no more.
-            vertices, moved = best, moved_then
-        return self._drawn_back(SurfaceMesh(vertices, mesh.faces), moved, surface)
+def _evened(mesh: SurfaceMesh, surface: FrameSurface, whole: Patch) -> SurfaceMesh:
+    """Smoothed where triangles are broken, narrow or against the surface."""
+    now = mesh
+    for rings in _EVEN_RINGS:
+        # What lies against the surface is smoothed for as long as until it is asked again.
+        now = _smoothed(now, whole, rings, LEAST_ANGLE_DEG, against(now, surface))[-1].mesh
+    return now
 
-    def broken(self, mesh: SurfaceMesh) -> FaceFlags:
-        """Triangles that are turned over, folded or needles."""
-        return turned_over(mesh) | folded(mesh, self._edges, _FOLD_DEG) | narrow(mesh, _NEEDLE_DEG)
 
-    def _drawn_back(
-        self, mesh: SurfaceMesh, moved: VertexFlags, surface: FrameSurface
-    ) -> SurfaceMesh:
-        """The mesh with its `moved` vertices nearer to the surface again, and no more broken."""
-        vertices, faces = mesh.vertices_mm, mesh.faces
-        sound = ~self.broken(mesh)
-        for _ in range(_BACK_ROUNDS if moved.any() else 0):
-            now = SurfaceMesh(vertices, faces)
-            places, _ = surface.matched(vertices[moved], vertex_normals(now)[moved])
-            tried = vertices.copy()
-            tried[moved] = 0.5 * (vertices[moved] + places)
-            # Back to where they were, until what is left of the step is sound.
-            while (broken := self.broken(SurfaceMesh(tried, faces)) & sound).any():
-                corners = faces[broken].ravel()
-                if np.array_equal(tried[corners], vertices[corners]):
-                    corners = np.arange(len(vertices))
-                tried[corners] = vertices[corners]
-            vertices = tried
-        return SurfaceMesh(vertices, faces)
+def _mended(mesh: SurfaceMesh, whole: Patch) -> SurfaceMesh:
+    """Smoothed where triangles are broken, for as long as that helps: on and on it would take whole
+    ends away.
+    """
+    states = [_State(mesh, int(broken(mesh, whole.pairs).sum()))]
+    none = np.zeros(len(mesh.faces), dtype=bool)
+    for rings in _MEND_RINGS:
+        states += _smoothed(states[-1].mesh, whole, rings, NEEDLE_DEGREES, none)
+    return min(states, key=lambda state: state.broken).mesh
 
-    def _faulty(self, mesh: SurfaceMesh) -> FaceFlags:
-        return (
-            turned_over(mesh) | folded(mesh, self._edges, _FOLD_DEG) | narrow(mesh, LEAST_ANGLE_DEG)
-        )
 
-    def _around(self, touched: np.ndarray, rings: int) -> VertexFlags:
-        """These vertices, and those that so many edges lead to from them."""
-        found = np.zeros(len(self._degrees), dtype=bool)
-        found[touched] = True
-        for _ in range(rings):
-            found |= self._neighbours @ found > 0.0
-        return found
+def _smoothed(
+    mesh: SurfaceMesh, whole: Patch, rings: int, least_degrees: float, thin: FaceFlags
+) -> list[_State]:
+    """Before and after each round of smoothing about the triangles that are broken, under
+    `least_degrees` or `thin`, until there are none.
+    """
+    faulty = broken(mesh, whole.pairs, least_degrees) | thin
+    if not faulty.any():
+        return [_State(mesh, 0)]
+    patch = whole.cut(whole.around(mesh.faces[faulty].ravel(), rings + _MARGIN))
+    now, thin = patch.of(mesh), thin[patch.triangles]
+    states = [_State(mesh, int(broken(now, patch.pairs).sum()))]
+    for _ in range(_ROUNDS):
+        faulty = (broken(now, patch.pairs, least_degrees) | thin) & patch.judged
+        if not faulty.any():
+            break
+        moving = patch.around(now.faces[faulty].ravel(), rings) & patch.free
+        vertices = now.vertices_mm.copy()
+        middles = (patch.neighbours @ vertices) / patch.degrees[:, None]
+        vertices[moving] = 0.5 * (vertices[moving] + middles[moving])
+        now = SurfaceMesh(vertices, patch.faces)
+        states.append(_State(patch.put(mesh, now), int(broken(now, patch.pairs).sum())))
+    return states
 
-    def _smoothed(self, vertices: Points, moving: VertexFlags) -> Points:
-        moved = vertices.copy()
-        middles = (self._neighbours @ vertices) / self._degrees
-        moved[moving] = 0.5 * (vertices[moving] + middles[moving])
-        return moved
+
+def _drawn_back(
+    mesh: SurfaceMesh, before: SurfaceMesh, surface: FrameSurface, whole: Patch
+) -> SurfaceMesh:
+    """The mesh, where it is not as `before`, nearer to the surface again, and no more broken."""
+    changed = (mesh.vertices_mm != before.vertices_mm).any(axis=1)
+    if not changed.any():
+        return mesh
+    patch = whole.cut(whole.around(changed, _MARGIN))
+    now, moved = patch.of(mesh), changed[patch.vertices]
+    may_break = broken(now, patch.pairs) | ~patch.judged
+    for _ in range(_BACK_ROUNDS):
+        vertices = now.vertices_mm
+        places, _ = surface.matched(vertices[moved], vertex_normals(now)[moved])
+        tried = vertices.copy()
+        tried[moved] = 0.5 * (vertices[moved] + places)
+        now = SurfaceMesh(tried, patch.faces)
+        # Back to where they were, until what is left of the step is sound.
+        while (faulty := broken(now, patch.pairs) & ~may_break).any():
+            corners = patch.faces[faulty].ravel()
+            if np.array_equal(tried[corners], vertices[corners]):
+                corners = np.arange(len(vertices))
+            tried[corners] = vertices[corners]
+    return patch.put(mesh, now)

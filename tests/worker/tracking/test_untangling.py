@@ -3,40 +3,55 @@
 import numpy as np
 import pytest
 
-from tests.worker.tracking.ellipsoids import sphere
+from tests.worker.tracking.faulty import RADIUS_MM, ball, with_a_fold
+from worker.evaluation.distance import points_to_surface_mm
 from worker.surface_mesh import SurfaceMesh
+from worker.tracking.faults import broken
 from worker.tracking.frame_surface import FrameSurface
-from worker.tracking.untangling import Untangler
-
-RADIUS_MM = 20.0
-
-
-@pytest.fixture
-def ball() -> SurfaceMesh:
-    vertices, faces = sphere()
-    return SurfaceMesh(RADIUS_MM * vertices / np.linalg.norm(vertices, axis=1)[:, None], faces)
+from worker.tracking.patch import Patch
+from worker.tracking.untangling import untangled
 
 
-def with_a_fold(mesh: SurfaceMesh, vertex: int = 100) -> SurfaceMesh:
-    """The vertex drawn over the far side of a neighbour's triangles."""
-    face = mesh.faces[(mesh.faces == vertex).any(axis=1)][0]
-    neighbour = int(face[face != vertex][0])
-    vertices = mesh.vertices_mm.copy()
-    vertices[vertex] += 2.5 * (vertices[neighbour] - vertices[vertex])
-    return SurfaceMesh(vertices, mesh.faces)
+def test_a_sound_mesh_stays_as_it_is() -> None:
+    mesh = ball()
+    found = untangled(mesh, FrameSurface(mesh), Patch.whole(mesh))
+    np.testing.assert_array_equal(found.vertices_mm, mesh.vertices_mm)
 
 
-def test_a_sound_mesh_stays_as_it_is(ball: SurfaceMesh) -> None:
-    found = Untangler(ball).untangled(ball, FrameSurface(ball))
-    np.testing.assert_array_equal(found.vertices_mm, ball.vertices_mm)
-
-
-def test_a_fold_is_undone_and_its_vertices_are_on_the_surface_again(ball: SurfaceMesh) -> None:
-    folded, untangler = with_a_fold(ball), Untangler(ball)
-    assert untangler.broken(folded).any()
-    found = untangler.untangled(folded, FrameSurface(ball))
-    assert not untangler.broken(found).any()
+def test_a_fold_is_undone_and_its_vertices_are_on_the_surface_again() -> None:
+    mesh, whole = ball(), Patch.whole(ball())
+    folded = with_a_fold(mesh)
+    assert broken(folded, whole.pairs).any()
+    found = untangled(folded, FrameSurface(mesh), whole)
+    assert not broken(found, whole.pairs).any()
     off_mm = np.abs(np.linalg.norm(found.vertices_mm, axis=1) - RADIUS_MM)
     assert off_mm.max() < 0.05
-    moved = (found.vertices_mm != ball.vertices_mm).any(axis=1)
+    moved = (found.vertices_mm != mesh.vertices_mm).any(axis=1)
     assert 0 < moved.sum() < len(moved) / 4, "the rest stays where it was"
+
+
+def crumpled_lens(thickness_mm: float, noise_mm: float) -> tuple[SurfaceMesh, SurfaceMesh]:
+    """Two sheets thinner than their triangles, as they are and with every vertex put wrong."""
+    mesh = ball()
+    flat = mesh.vertices_mm * [1.0, 1.0, thickness_mm / (2.0 * RADIUS_MM)]
+    noise = np.random.default_rng(1).normal(0.0, noise_mm, flat.shape)
+    return SurfaceMesh(flat, mesh.faces), SurfaceMesh(flat + noise, mesh.faces)
+
+
+@pytest.mark.parametrize("noise_mm", [0.2, 0.5, 1.0])
+def test_two_sheets_that_went_through_each_other_come_apart(noise_mm: float) -> None:
+    lens, crumpled = crumpled_lens(1.0, noise_mm)
+    whole = Patch.whole(lens)
+    assert broken(crumpled, whole.pairs).sum() > 500
+    found = untangled(crumpled, FrameSurface(lens), whole)
+    assert not broken(found, whole.pairs).any()
+    before_mm = points_to_surface_mm(crumpled.vertices_mm, lens).mean()
+    assert points_to_surface_mm(found.vertices_mm, lens).mean() < 0.55 * before_mm
+
+
+def test_what_smoothing_would_break_stays() -> None:
+    """A sheet of 0.02 mm: matches are of either side, and smoothing only makes it worse."""
+    lens, crumpled = crumpled_lens(0.02, 0.02)
+    whole = Patch.whole(lens)
+    found = untangled(crumpled, FrameSurface(lens), whole)
+    assert broken(found, whole.pairs).sum() <= broken(crumpled, whole.pairs).sum()
