@@ -144,10 +144,10 @@ class SequenceOptions(WireModel):
         default=True, description="Whether the first frame comes after the last one again."
     )
     levels: int = Field(
-        default=3, ge=1, le=8, description="The last ones, of a fit that goes on from a neighbour."
+        default=4, ge=1, le=8, description="The last ones, of a fit that goes on from a neighbour."
     )
-    iterations_per_level: int = Field(default=100, ge=1, le=5000)
-    samples_per_step: int = Field(default=1024, ge=64, le=65536)
+    iterations_per_level: int = Field(default=110, ge=1, le=5000)
+    samples_per_step: int = Field(default=768, ge=64, le=65536)
     learning_rate: float = Field(default=1e-2, gt=0.0, le=0.1)
     share_shifts: bool = Field(
         default=True,

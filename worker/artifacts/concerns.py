@@ -27,7 +27,8 @@ from worker.artifacts.volume_findings import function_findings, stopped_findings
 _SHOWN = 3
 """Of one kind; of more, only how many."""
 
-_WITH_DIGITS = re.compile(r"\S*\d\S*")
+_NAMES = re.compile(rf"\S*\d\S*|\b({'|'.join(Structure)})\b")
+"""What differs between warnings of one kind: numbers, names with digits, structures."""
 
 
 def concerns(
@@ -88,10 +89,10 @@ def _split(
 
 
 def _alike(warnings: Sequence[str]) -> list[tuple[str, Sequence[Finding]]]:
-    """Warnings that differ in names with digits and in numbers only are of one kind."""
+    """Warnings that differ in names and numbers only are of one kind."""
     kinds: dict[str, list[Finding]] = {}
     for text in warnings:
-        kinds.setdefault(_WITH_DIGITS.sub("", text), []).append(Finding(False, 0.0, text))
+        kinds.setdefault(_NAMES.sub("", text), []).append(Finding(False, 0.0, text))
     return [("warnings like these", findings) for findings in kinds.values()]
 
 

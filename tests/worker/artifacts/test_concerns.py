@@ -170,7 +170,8 @@ def test_warnings_are_taken_over_word_for_word_and_once() -> None:
 
 
 def test_warnings_that_are_alike_are_counted_and_those_of_surfaces_come_first() -> None:
-    alike = [f"Slice sax-0{n}: {n} % of rv_endo lies within lv_epi." for n in range(6)]
+    pairs = [("rv_endo", "lv_epi"), ("lv_endo", "epi"), ("rv_epi", "lv_epi")] * 2
+    alike = [f"Slice sax-0{n}: {n} % of {a} lies within {b}." for n, (a, b) in enumerate(pairs)]
     found = concerns([frame(slices=[good_slice(dice={ENDO: 0.8})])], [*alike, "ED: said of it."])
     texts = [one.text for one in found]
     assert texts[0] == "ED: said of it."
