@@ -8,7 +8,7 @@ import numpy as np
 
 from worker.evaluation.surface_normals import vertex_normals
 from worker.surface_mesh import SurfaceMesh
-from worker.tracking.faults import NEEDLE_DEGREES, against, broken
+from worker.tracking.faults import NEEDLE_DEGREES, against, broken, narrow
 from worker.tracking.frame_surface import FrameSurface
 from worker.tracking.patch import FaceFlags, Patch
 
@@ -81,18 +81,18 @@ def _smoothed(
         return [_State(mesh, 0)]
     patch = whole.cut(whole.around(mesh.faces[faulty].ravel(), rings + _MARGIN))
     now, thin = patch.of(mesh), thin[patch.triangles]
-    states = [_State(mesh, int(broken(now, patch.pairs).sum()))]
-    for _ in range(_ROUNDS):
-        faulty = (broken(now, patch.pairs, least_degrees) | thin) & patch.judged
-        if not faulty.any():
-            break
+    states: list[_State] = []
+    while True:
+        worst = broken(now, patch.pairs)
+        states.append(_State(patch.put(mesh, now), int(worst.sum())))
+        faulty = (worst | narrow(now, least_degrees) | thin) & patch.judged
+        if len(states) > _ROUNDS or not faulty.any():
+            return states
         moving = patch.around(now.faces[faulty].ravel(), rings) & patch.free
         vertices = now.vertices_mm.copy()
         middles = (patch.neighbours @ vertices) / patch.degrees[:, None]
         vertices[moving] = 0.5 * (vertices[moving] + middles[moving])
         now = SurfaceMesh(vertices, patch.faces)
-        states.append(_State(patch.put(mesh, now), int(broken(now, patch.pairs).sum())))
-    return states
 
 
 def _drawn_back(
