@@ -293,7 +293,7 @@ PRESETS: dict[str, dict[str, Any]] = {
         "iterations_per_level": 90,
         "optimizer": {"samples_per_step": 1024},
         "mesh": {"grid_mm": 2.0},
-        "sequence": {"levels": 3},
+        "sequence": {"levels": 3, "samples_per_step": 1024},
     },
     Preset.STANDARD: {},
     Preset.PAPER: {

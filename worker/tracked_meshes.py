@@ -22,7 +22,7 @@ from worker.tracking.tracking import track
 
 _EDGES_MM = (2.0, 1.8, 1.6, 1.4)
 """Edges of the carried mesh where no `target_edge_mm` is given: the first that leave no triangle at
-fault. On a thin end other triangles, and smaller ones, lie better.
+fault or soon to be. On a thin end other triangles, and smaller ones, lie better.
 """
 
 
@@ -86,7 +86,7 @@ def _tracked(
 def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMesh:
     """What is carried: sound, and with even triangles."""
     if options.target_edge_mm is not None:
-        return sound_mesh(mesh).mesh
+        return sound_mesh(mesh, observer).mesh
     found = []
     for edge_mm in _EDGES_MM:
         vertices, faces = remesh(
@@ -96,7 +96,7 @@ def _even(mesh: SurfaceMesh, options: Options, observer: Observer) -> SurfaceMes
             lambda points_mm: nearest_on_surface(points_mm, mesh)[0],
             observer,
         )
-        found.append(sound_mesh(SurfaceMesh(vertices, faces)))
+        found.append(sound_mesh(SurfaceMesh(vertices, faces), observer))
         if not found[-1].faults:
             break
     return min(found, key=lambda one: one.faults).mesh

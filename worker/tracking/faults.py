@@ -1,5 +1,5 @@
-"""Triangles that no carried mesh may have: turned over, folded onto a neighbour, passing through
-another, or needles.
+"""Triangles that a carried mesh should not have: turned over, folded onto a neighbour, passing
+through another, or needles.
 """
 
 import numpy as np
@@ -9,7 +9,7 @@ from worker.evaluation.surface_normals import unit, vertex_normals
 from worker.evaluation.triangle_crossings import self_intersections
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.frame_surface import FrameSurface
-from worker.tracking.patch import FaceFlags, Pairs
+from worker.tracking.patch import FaceFlags, FacePairs
 
 FOLD_DEGREES = 150.0
 """Angle between the normals of two neighbours, above which they are folded onto each other."""
@@ -18,7 +18,7 @@ _SHARP_DEGREES = 140.0
 """Angle above which they are smoothed: milder, so that none comes near to being a fault."""
 
 NEEDLE_DEGREES = 3.0
-"""A narrow triangle that smoothing does not widen may stay, but no narrower than this."""
+"""A narrow triangle that smoothing does not widen is let be from here on."""
 
 
 def face_normals(vertices_mm: Points, faces: Faces) -> SomePoints:
@@ -49,7 +49,7 @@ def against(mesh: SurfaceMesh, surface: FrameSurface) -> FaceFlags:
     return found
 
 
-def folded(mesh: SurfaceMesh, pairs: Pairs, degrees: float = FOLD_DEGREES) -> FaceFlags:
+def folded(mesh: SurfaceMesh, pairs: FacePairs, degrees: float = FOLD_DEGREES) -> FaceFlags:
     """Triangles whose normal turns by more than `degrees` across one of their edges. pairs: the two
     triangles at each edge.
     """
@@ -69,13 +69,13 @@ def narrow(mesh: SurfaceMesh, degrees: float) -> FaceFlags:
     return doubled < np.sin(np.radians(degrees)) * lengths[:, 1] * lengths[:, 2]
 
 
-def broken(mesh: SurfaceMesh, pairs: Pairs, least_degrees: float = NEEDLE_DEGREES) -> FaceFlags:
+def broken(mesh: SurfaceMesh, pairs: FacePairs, least_degrees: float = NEEDLE_DEGREES) -> FaceFlags:
     """Triangles that are turned over, nearly folded, or have an angle under `least_degrees`."""
     sharp = folded(mesh, pairs, _SHARP_DEGREES)
     return turned_over(mesh) | sharp | narrow(mesh, least_degrees)
 
 
-def at_fault(mesh: SurfaceMesh, pairs: Pairs) -> FaceFlags:
+def at_fault(mesh: SurfaceMesh, pairs: FacePairs) -> FaceFlags:
     """Triangles that are turned over, folded or pass through others: what is counted."""
     found = turned_over(mesh) | folded(mesh, pairs)
     found[self_intersections(mesh).ravel()] = True

@@ -16,17 +16,20 @@ from worker.tracking.patch import Patch
 _RINGS = (1, 2, 3, 4, 6, 8, 11, 15)
 """About the triangles at fault, until there are none."""
 
+_RIDGE = 1e-9
+"""Beside an edge's weight of one: a part of the mesh with nothing around goes where its copy is."""
+
 
 def interpolated(mesh: SurfaceMesh, copy_mm: Points, whole: Patch) -> SurfaceMesh:
-    """The mesh without triangles that are broken or pass through others, or as it is where all
-    rings do not help.
+    """The mesh with as few triangles turned over, folded or passing through others as can be had.
 
     copy_mm: The affine copy of the mesh at rest, (n, 3). whole: all of the mesh.
     """
     faulty = at_fault(mesh, whole.pairs)
-    if not faulty.any():
+    best, fewest = mesh, faulty.sum()
+    if not fewest:
         return mesh
-    laplacian = (sparse.diags(whole.degrees.astype(float)) - whole.neighbours).tocsr()
+    laplacian = (sparse.diags(whole.degrees + _RIDGE) - whole.neighbours).tocsr()
     for rings in _RINGS:
         inside = whole.around(mesh.faces[faulty].ravel(), rings)
         displaced = mesh.vertices_mm - copy_mm
@@ -34,7 +37,9 @@ def interpolated(mesh: SurfaceMesh, copy_mm: Points, whole: Patch) -> SurfaceMes
         displaced[inside] = splu(laplacian[inside][:, inside].tocsc()).solve(around)
         moved = SurfaceMesh(copy_mm + displaced, mesh.faces)
         left = at_fault(moved, whole.pairs)
-        if not left.any():
-            return moved
+        if left.sum() < fewest:
+            best, fewest = moved, left.sum()
+        if not fewest:
+            break
         faulty |= left
-    return mesh
+    return best

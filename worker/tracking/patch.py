@@ -18,7 +18,7 @@ from worker.surface_mesh import SurfaceMesh
 FaceFlags = Bool[np.ndarray, " m"]
 """One truth value a triangle."""
 
-Pairs = Int[np.ndarray, "e 2"]
+FacePairs = Int[np.ndarray, "e 2"]
 """Two triangles at each edge."""
 
 
@@ -35,7 +35,7 @@ class Patch:
     vertices: Int[np.ndarray, " n"]
     triangles: Int[np.ndarray, " m"]
     faces: Int[np.ndarray, "m 3"]
-    pairs: Pairs
+    pairs: FacePairs
     neighbours: sparse.csr_matrix
     judged: FaceFlags
     free: Flags

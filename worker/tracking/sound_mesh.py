@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from worker.observer import Cancelled, Observer, Unobserved
 from worker.remeshing.edge_collapses import collapse_edges
 from worker.remeshing.edges import edges_of
 from worker.surface_mesh import SurfaceMesh
@@ -23,38 +24,43 @@ _LEAST_COSINE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class SoundMesh:
-    """A closed mesh, mm, and how many of its triangles are at fault all the same."""
+    """A closed mesh, mm, and how many of its triangles are, or soon would be, at fault even so."""
 
     mesh: SurfaceMesh
     faults: int
 
 
-def sound_mesh(mesh: SurfaceMesh) -> SoundMesh:
+def sound_mesh(mesh: SurfaceMesh, observer: Observer | None = None) -> SoundMesh:
     """A closed mesh, mm, without its faults where that can be had: smoothed, and where smoothing
     does not help, as at a fin between a few vertices, with their edges drawn together.
+
+    Raises Cancelled when the observer asks to stop.
     """
+    watcher = observer or Unobserved()
     surface = FrameSurface(mesh)
     found = []
     for _ in range(_MOST_ROUNDS):
+        if watcher.is_cancelled():
+            raise Cancelled
         whole = Patch.whole(mesh)
         smooth = untangled(mesh, surface, whole)
         faulty = at_fault(smooth, whole.pairs) | broken(smooth, whole.pairs)
         faulty |= turned_over(smooth, _LEAST_COSINE)
         found.append(SoundMesh(smooth, int(faulty.sum())))
-        if not faulty.any():
-            break
-        for _ in range(_WIDEST):
-            fewer = _drawn_together(mesh, faulty)
-            if len(fewer.faces) < len(mesh.faces):
-                break
-            faulty = np.asarray(np.isin(mesh.faces, mesh.faces[faulty]).any(axis=1))
-        else:
+        fewer = _drawn_together(mesh, faulty)
+        if fewer is mesh:
             break
         mesh = fewer
     return min(found, key=lambda one: one.faults)
 
 
 def _drawn_together(mesh: SurfaceMesh, faulty: FaceFlags) -> SurfaceMesh:
+    """The mesh with some edges less about the faulty triangles; as it is where none may go."""
     edges = edges_of(mesh.faces, len(mesh.vertices_mm))
-    candidates = faulty[edges.here // 3] | faulty[edges.there // 3]
-    return SurfaceMesh(*collapse_edges(mesh.vertices_mm, mesh.faces, candidates, may_fold=True))
+    for _ in range(_WIDEST if faulty.any() else 0):
+        candidates = faulty[edges.here // 3] | faulty[edges.there // 3]
+        vertices, faces = collapse_edges(mesh.vertices_mm, mesh.faces, candidates, may_fold=True)
+        if len(faces) < len(mesh.faces):
+            return SurfaceMesh(vertices, faces)
+        faulty = np.asarray(np.isin(mesh.faces, mesh.faces[faulty]).any(axis=1))
+    return mesh

@@ -57,6 +57,8 @@ def track(
             surface = FrameSurface(mesh)
             if passed:
                 carried = carrier.carried(now, surface)
+                if watcher.is_cancelled():
+                    raise Cancelled
                 smooth = untangled(SurfaceMesh(carried.vertices_mm, rest.faces), surface, whole)
                 sound = interpolated(smooth, carried.copy_mm, whole)
                 before, now = now, Carried(sound.vertices_mm, carried.copy_mm)

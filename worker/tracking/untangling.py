@@ -30,7 +30,7 @@ _BACK_ROUNDS = 8
 
 
 def untangled(mesh: SurfaceMesh, surface: FrameSurface, whole: Patch) -> SurfaceMesh:
-    """The mesh with as few broken triangles as smoothing leaves, and never more than it has.
+    """The mesh with as few broken triangles as smoothing leaves.
 
     surface: what it is to lie on. whole: all of the mesh.
     """
@@ -38,8 +38,7 @@ def untangled(mesh: SurfaceMesh, surface: FrameSurface, whole: Patch) -> Surface
     even = _drawn_back(_evened(mesh, surface, whole), mesh, surface, whole)
     if not broken(even, whole.pairs).any():
         return even
-    mended = _drawn_back(_mended(even, whole), mesh, surface, whole)
-    return min(mended, mesh, key=lambda one: broken(one, whole.pairs).sum())
+    return _drawn_back(_mended(even, whole), mesh, surface, whole)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,9 +82,9 @@ def _smoothed(
     now, thin = patch.of(mesh), thin[patch.triangles]
     states: list[_State] = []
     while True:
-        worst = broken(now, patch.pairs)
+        worst = broken(now, patch.pairs) & patch.judged
         states.append(_State(patch.put(mesh, now), int(worst.sum())))
-        faulty = (worst | narrow(now, least_degrees) | thin) & patch.judged
+        faulty = worst | ((narrow(now, least_degrees) | thin) & patch.judged)
         if len(states) > _ROUNDS or not faulty.any():
             return states
         moving = patch.around(now.faces[faulty].ravel(), rings) & patch.free

@@ -1,6 +1,7 @@
 """Faults go where their surroundings went."""
 
 import numpy as np
+import trimesh
 
 from tests.worker.tracking.faulty import ball, with_a_fold
 from worker.surface_mesh import SurfaceMesh
@@ -38,7 +39,27 @@ def test_displacement_within_is_the_mean_of_that_around() -> None:
     np.testing.assert_allclose(displaced[inside], means[inside], atol=1e-9)
 
 
-def test_a_mesh_that_was_at_fault_at_rest_is_given_back() -> None:
-    mesh = with_a_fold(ball())
-    whole = Patch.whole(mesh)
-    assert interpolated(mesh, mesh.vertices_mm, whole) is mesh
+def test_a_fault_of_the_copy_stays_alone() -> None:
+    """The one beside it is mended all the same."""
+    copy, whole = with_a_fold(ball(), 100), Patch.whole(ball())
+    twice = with_a_fold(copy, 900)
+    here, there = at_fault(copy, whole.pairs).sum(), at_fault(twice, whole.pairs).sum()
+    assert 0 < here < there
+    found = interpolated(twice, copy.vertices_mm, whole)
+    assert at_fault(found, whole.pairs).sum() == here
+
+
+def test_a_part_that_faults_cover_goes_where_its_copy_is() -> None:
+    """An icosahedron has nothing around that would say where it went."""
+    mesh, small = ball(), trimesh.creation.icosahedron()
+    beside = SurfaceMesh(
+        np.concatenate([mesh.vertices_mm, small.vertices + np.array([0.0, 0.0, 30.0])]),
+        np.concatenate([mesh.faces, small.faces + len(mesh.vertices_mm)]),
+    )
+    whole = Patch.whole(beside)
+    through = beside.vertices_mm.copy()
+    through[-12:, 2] -= 10.0
+    crossing = SurfaceMesh(through, beside.faces)
+    assert at_fault(crossing, whole.pairs).any()
+    found = interpolated(crossing, beside.vertices_mm, whole)
+    np.testing.assert_allclose(found.vertices_mm, beside.vertices_mm, atol=1e-6)

@@ -1,9 +1,11 @@
 """What is carried has no fault to carry."""
 
 import numpy as np
+import pytest
 
 from tests.worker.tracking.faulty import ball, with_a_fin
 from worker.evaluation.topology import is_watertight
+from worker.observer import Cancelled, Unobserved
 from worker.surface_mesh import SurfaceMesh
 from worker.tracking.faults import FaceFlags, at_fault, broken
 from worker.tracking.patch import Patch
@@ -32,6 +34,20 @@ def test_a_fin_that_smoothing_does_not_lay_flat_is_drawn_together() -> None:
     assert found.faults == 0
     assert not faulty(found.mesh).any()
     assert len(found.mesh.faces) < len(mesh.faces)
+
+
+def test_it_is_cancelled_before_the_next_round() -> None:
+    class AfterOne(Unobserved):
+        looks = 0
+
+        def is_cancelled(self) -> bool:
+            self.looks += 1
+            return self.looks > 1
+
+    stopping = AfterOne()
+    with pytest.raises(Cancelled):
+        sound_mesh(with_a_fin(ball()), stopping)
+    assert stopping.looks == 2
 
 
 def test_faults_that_are_left_are_counted() -> None:
