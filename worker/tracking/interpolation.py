@@ -2,7 +2,7 @@
 
 About the faults the displacement from the affine copy of the mesh at rest is no longer that which
 the surface asks for, but the harmonic one that joins the displacement around. With ever more rings
-the mesh comes nearer to that copy, which is as sound as the mesh at rest.
+the mesh comes nearer to that copy, which is about as sound as the mesh at rest.
 """
 
 from scipy import sparse

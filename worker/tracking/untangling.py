@@ -54,7 +54,10 @@ def _evened(mesh: SurfaceMesh, surface: FrameSurface, whole: Patch) -> SurfaceMe
     now = mesh
     for rings in _EVEN_RINGS:
         # What lies against the surface is smoothed for as long as until it is asked again.
+        before = now
         now = _smoothed(now, whole, rings, LEAST_ANGLE_DEG, against(now, surface))[-1].mesh
+        if now is before:
+            break
     return now
 
 
